@@ -1,0 +1,8 @@
+//! Woven fabric as material constants: the law, the paper's catalogue, and the only place for textile units.
+
+mod catalogue;
+mod law;
+pub mod units;
+
+pub use catalogue::{catalogue, find};
+pub use law::{Fabric, Orthotropic, PoissonCoupling, TwistRigidity, Unphysical};

@@ -1,0 +1,328 @@
+//! The scene document as data. SI units, REP-103 frames; keys are the TOML keys.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::contact::Shape;
+use crate::fabric::{PoissonCoupling, TwistRigidity};
+
+/// A scene as written. [`Scene::check`](Scene) has passed on every one that reaches the simulation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// Name, also the stem of the recording.
+    pub name: String,
+    /// One line for `toile list scenes`.
+    pub description: String,
+    /// Simulated time \[s\].
+    pub duration: f64,
+    /// Gravitational acceleration \[m/s²\].
+    #[serde(default = "standard_gravity")]
+    pub gravity: [f64; 3],
+    /// Viscous damping mu of equation (11) \[kg/(m²·s)\].
+    #[serde(default)]
+    pub damping: f64,
+    /// The sheet.
+    pub sheet: SheetSpec,
+    /// What it is made of.
+    pub fabric: FabricSpec,
+    /// Where it is held.
+    #[serde(default)]
+    pub support: BTreeMap<String, SupportSpec>,
+    /// What it can touch.
+    #[serde(default)]
+    pub obstacle: BTreeMap<String, ObstacleSpec>,
+    /// A seeded disturbance of the flat start: a symmetric one is metastable.
+    #[serde(default)]
+    pub perturbation: Perturbation,
+    /// How it is solved.
+    #[serde(default)]
+    pub method: MethodSpec,
+    /// What is recorded, and how often.
+    #[serde(default)]
+    pub output: OutputSpec,
+    /// The quantities that the scene is about.
+    #[serde(default)]
+    pub observe: BTreeMap<String, ObserveSpec>,
+}
+
+fn standard_gravity() -> [f64; 3] {
+    [0.0, 0.0, -9.81]
+}
+
+/// Outline of the flat sheet in material coordinates, centred on the origin unless said; metres.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Outline {
+    /// A rectangle, `length` along sheet x and `width` along sheet y (a strip is a narrow one).
+    Rectangle {
+        /// Extent along sheet x \[m\].
+        length: f64,
+        /// Extent along sheet y \[m\].
+        width: f64,
+    },
+    /// A disc.
+    Disc {
+        /// Diameter \[m\].
+        diameter: f64,
+    },
+    /// A ring.
+    Annulus {
+        /// Outer diameter \[m\].
+        outer: f64,
+        /// Inner diameter \[m\].
+        inner: f64,
+    },
+}
+
+/// The sheet: outline, mesh size, where it starts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SheetSpec {
+    /// Outline in the sheet's own x, y.
+    pub outline: Outline,
+    /// Wanted number of triangles; give this or `edge`.
+    #[serde(default)]
+    pub triangles: Option<usize>,
+    /// Wanted edge length \[m\]; give this or `triangles`.
+    #[serde(default)]
+    pub edge: Option<f64>,
+    /// Random displacement of interior vertices as a fraction of the edge length, 0 to 0.3.
+    #[serde(default)]
+    pub jitter: f64,
+    /// Seed of the unstructured mesh.
+    #[serde(default)]
+    pub mesh_seed: u64,
+    /// Angle from sheet x to the warp \[degrees\]; 45 makes a bias specimen.
+    #[serde(default)]
+    pub warp_angle: f64,
+    /// World position of the sheet's centre at the start \[m\].
+    #[serde(default)]
+    pub position: [f64; 3],
+    /// Roll, pitch, yaw of the flat sheet at the start \[degrees\].
+    #[serde(default)]
+    pub rotation: [f64; 3],
+}
+
+/// A catalogue fabric by name, with single constants replaced if given; or all constants of one's own.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FabricSpec {
+    /// `F1` to `F12`, or a name of one's own with all the constants below.
+    pub name: String,
+    /// \[kg/m²\]
+    #[serde(default)]
+    pub areal_density: Option<f64>,
+    /// \[m\]
+    #[serde(default)]
+    pub thickness: Option<f64>,
+    /// \[Pa\]
+    #[serde(default)]
+    pub young_warp: Option<f64>,
+    /// \[Pa\]
+    #[serde(default)]
+    pub young_weft: Option<f64>,
+    /// \[Pa\]
+    #[serde(default)]
+    pub shear_modulus: Option<f64>,
+    /// \[N·m\]
+    #[serde(default)]
+    pub rigidity_warp: Option<f64>,
+    /// \[N·m\]
+    #[serde(default)]
+    pub rigidity_weft: Option<f64>,
+    /// \[-\]
+    #[serde(default)]
+    pub poisson_warp: Option<f64>,
+    /// \[-\]
+    #[serde(default)]
+    pub poisson_weft: Option<f64>,
+    /// `geometric` (default) or `none`.
+    #[serde(default)]
+    pub twist: TwistRigidity,
+    /// `none` (default) or `symmetrised`.
+    #[serde(default)]
+    pub poisson: PoissonCoupling,
+}
+
+/// How a region of the sheet is held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SupportKind {
+    /// Position prescribed, free to rotate.
+    Pin,
+    /// Position and slope prescribed.
+    Clamp,
+}
+
+/// Part of the sheet in its own x, y.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Region {
+    /// The side of smallest x.
+    XMin,
+    /// The side of largest x.
+    XMax,
+    /// The side of smallest y.
+    YMin,
+    /// The side of largest y.
+    YMax,
+    /// The whole boundary.
+    Boundary,
+    /// All within the box.
+    Box {
+        /// Smallest x, y \[m\].
+        min: [f64; 2],
+        /// Largest x, y \[m\].
+        max: [f64; 2],
+    },
+    /// All within the circle about the sheet's centre.
+    Disc {
+        /// Diameter \[m\].
+        diameter: f64,
+    },
+    /// The vertex nearest to a point.
+    Point {
+        /// x, y \[m\].
+        at: [f64; 2],
+    },
+}
+
+/// A support: what is held, how, and where to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SupportSpec {
+    /// Pin or clamp.
+    pub kind: SupportKind,
+    /// The part of the sheet it holds.
+    pub region: Region,
+    /// World axes held, any of `x`, `y`, `z`.
+    #[serde(default = "all_axes")]
+    pub axes: String,
+    /// Displacement from the start, imposed at once \[m\].
+    #[serde(default)]
+    pub displacement: [f64; 3],
+}
+
+fn all_axes() -> String {
+    "xyz".to_string()
+}
+
+/// An obstacle at the start of the run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObstacleSpec {
+    /// Its shape.
+    pub shape: Shape,
+    /// World position of its origin \[m\].
+    #[serde(default)]
+    pub position: [f64; 3],
+    /// Roll, pitch, yaw \[degrees\].
+    #[serde(default)]
+    pub rotation: [f64; 3],
+    /// \[m/s\]
+    #[serde(default)]
+    pub linear_velocity: [f64; 3],
+    /// \[rad/s\]
+    #[serde(default)]
+    pub angular_velocity: [f64; 3],
+    /// Coulomb friction coefficient \[-\].
+    #[serde(default)]
+    pub friction: f64,
+}
+
+/// Seeded out-of-plane disturbance of the start: a smooth random field of the given amplitude.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Perturbation {
+    /// Largest displacement along the sheet's normal \[m\].
+    #[serde(default)]
+    pub amplitude: f64,
+    /// Seed of the field.
+    #[serde(default)]
+    pub seed: u64,
+}
+
+/// Time scheme (DESIGN section 3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scheme {
+    /// First order, strongly damping.
+    BackwardEuler,
+    /// Second order, variable step, damps only what the step cannot resolve.
+    Bdf2,
+    /// Second order, damping chosen by the spectral radius at infinite frequency.
+    GeneralisedAlpha,
+    /// The paper's explicit scheme (16), at its own stable step.
+    CentralDifference,
+}
+
+/// How steps are taken and solved.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MethodSpec {
+    /// Time scheme.
+    pub scheme: Scheme,
+    /// Step \[s\]; the outer step of `central-difference`, which substeps.
+    pub dt: f64,
+    /// A step has converged when its force residual is below this fraction of the sheet's weight \[-\].
+    pub tolerance: f64,
+    /// Newton iterations before a step is retried smaller.
+    pub max_iterations: usize,
+    /// Spectral radius of `generalised-alpha` at infinite frequency, 0 to 1.
+    pub rho_infinity: f64,
+}
+
+impl Default for MethodSpec {
+    fn default() -> Self {
+        Self {
+            scheme: Scheme::Bdf2,
+            dt: 5e-3,
+            tolerance: 1e-4,
+            max_iterations: 40,
+            rho_infinity: 0.8,
+        }
+    }
+}
+
+/// What goes out, and how often.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct OutputSpec {
+    /// States and reports per simulated second \[Hz\]; a whole number of steps apart.
+    pub rate: f64,
+    /// Mesh markers per simulated second \[Hz\]; 0 turns them off.
+    pub mesh_rate: f64,
+}
+
+impl Default for OutputSpec {
+    fn default() -> Self {
+        Self {
+            rate: 100.0,
+            mesh_rate: 25.0,
+        }
+    }
+}
+
+/// World axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Axis {
+    /// Forward.
+    X,
+    /// Left.
+    Y,
+    /// Up.
+    Z,
+}
+
+/// A reading of the run: the mean displacement of some points of the sheet along one axis \[m\].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObserveSpec {
+    /// Points in the sheet's x, y \[m\]; the reading is their mean.
+    pub points: Vec<[f64; 2]>,
+    /// Direction of the displacement.
+    pub axis: Axis,
+}
