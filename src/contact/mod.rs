@@ -1,5 +1,9 @@
 //! Obstacles and their distance to points, edges and faces of the sheet.
 
+mod detect;
+mod distance;
 mod obstacle;
 
+pub use detect::{Features, Proximity, detect};
+pub use distance::Distance;
 pub use obstacle::{Obstacle, Pose, Shape, Velocity};

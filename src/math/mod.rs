@@ -1,1 +1,6 @@
-//! (in work)
+//! Linear algebra over nalgebra and faer: elimination order, sparse assembly, Cholesky, Newton.
+
+pub mod cholesky;
+pub mod newton;
+pub mod ordering;
+pub mod sparse;

@@ -1,1 +1,14 @@
-//! (in work)
+//! The terms of the equation of motion, a folder each.
+
+pub mod bend;
+pub mod contact;
+pub mod damping;
+pub mod friction;
+pub mod gravity;
+mod stencil;
+pub mod stretch;
+#[cfg(test)]
+mod suite;
+pub mod support;
+
+pub use stencil::{Block, Gradient, Hessian, Nodes, Potential};

@@ -51,30 +51,7 @@ fn standard_gravity() -> [f64; 3] {
     [0.0, 0.0, -9.81]
 }
 
-/// Outline of the flat sheet in material coordinates, centred on the origin unless said; metres.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Outline {
-    /// A rectangle, `length` along sheet x and `width` along sheet y (a strip is a narrow one).
-    Rectangle {
-        /// Extent along sheet x \[m\].
-        length: f64,
-        /// Extent along sheet y \[m\].
-        width: f64,
-    },
-    /// A disc.
-    Disc {
-        /// Diameter \[m\].
-        diameter: f64,
-    },
-    /// A ring.
-    Annulus {
-        /// Outer diameter \[m\].
-        outer: f64,
-        /// Inner diameter \[m\].
-        inner: f64,
-    },
-}
+pub use crate::sheet::Outline;
 
 /// The sheet: outline, mesh size, where it starts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -270,6 +247,8 @@ pub struct MethodSpec {
     pub tolerance: f64,
     /// Newton iterations before a step is retried smaller.
     pub max_iterations: usize,
+    /// Substep of `central-difference` \[s\]; left out, it is 0.9 of the stable limit.
+    pub substep: Option<f64>,
     /// Spectral radius of `generalised-alpha` at infinite frequency, 0 to 1.
     pub rho_infinity: f64,
 }
@@ -281,6 +260,7 @@ impl Default for MethodSpec {
             dt: 5e-3,
             tolerance: 1e-4,
             max_iterations: 40,
+            substep: None,
             rho_infinity: 0.8,
         }
     }
@@ -325,4 +305,14 @@ pub struct ObserveSpec {
     pub points: Vec<[f64; 2]>,
     /// Direction of the displacement.
     pub axis: Axis,
+}
+
+impl FabricSpec {
+    /// TEMP
+    pub fn resolve(&self) -> Result<crate::fabric::Fabric, String> {
+        let mut f = crate::fabric::find(&self.name).ok_or("unknown".to_string())?;
+        f.twist = self.twist;
+        f.poisson = self.poisson;
+        Ok(f)
+    }
 }

@@ -1,5 +1,7 @@
 //! The sheet: a flat triangle mesh in material coordinates, its metric and its curvature.
 
+mod generate;
 mod mesh;
 
-pub use mesh::Mesh;
+pub use generate::{MeshOptions, Outline, generate};
+pub use mesh::{Mesh, NO_FACE};

@@ -1,10 +1,24 @@
 //! All that stays constant in a run.
 
-use crate::fabric::Fabric;
-use crate::scene::Scene;
-use crate::sheet::Mesh;
+use nalgebra::{Rotation3, UnitQuaternion, Vector2, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
 
-/// Mesh, fabric and scene of a run.
+use crate::contact::{Features, Obstacle, Pose, Velocity};
+use crate::fabric::Fabric;
+use crate::physics::Potential;
+use crate::physics::bend::Bend;
+use crate::physics::contact::ContactLaw;
+use crate::physics::damping::Damping;
+use crate::physics::gravity::Gravity;
+use crate::physics::stretch::Stretch;
+use crate::physics::support::Support;
+use crate::scene::{Axis, Region, Scene, SupportKind};
+use crate::sheet::{Mesh, MeshOptions, generate};
+
+use super::dofs::Dofs;
+
+/// Mesh, fabric and terms of a run.
 #[derive(Clone, Debug)]
 pub struct Model {
     /// The scene as checked.
@@ -13,4 +27,297 @@ pub struct Model {
     pub fabric: Fabric,
     /// The sheet.
     pub mesh: Mesh,
+    /// Lumped masses \[kg\], shape \[vertices\].
+    pub masses: Vec<f64>,
+    /// Weight of the sheet, the scale of residuals \[N\]; without gravity, the weight it would have on earth.
+    pub weight: f64,
+    /// Membrane energy.
+    pub stretch: Stretch,
+    /// Bending energy.
+    pub bend: Bend,
+    /// Weight.
+    pub gravity: Gravity,
+    /// Potential of the weight at the unperturbed start \[J\]: the ledger counts from there.
+    pub start_gravity: f64,
+    /// Viscous damping.
+    pub damping: Damping,
+    /// What holds the sheet.
+    pub supports: Vec<Support>,
+    /// The contact law, if the scene has obstacles.
+    pub contact: Option<ContactLaw>,
+    /// Incidence for contact detection.
+    pub features: Features,
+    /// Numbering of the unknowns.
+    pub dofs: Dofs,
+    /// Vertices and axis of each reading, with the mean position at the start.
+    pub readings: Vec<Reading>,
+}
+
+/// A reading as vertices to average.
+#[derive(Clone, Debug)]
+pub struct Reading {
+    /// Name in the scene.
+    pub name: String,
+    /// Vertices averaged.
+    pub vertices: Vec<u32>,
+    /// World axis.
+    pub axis: usize,
+    /// Mean coordinate at the unperturbed start \[m\].
+    pub start: f64,
+}
+
+impl Model {
+    /// Builds mesh and terms of a checked scene.
+    pub fn new(scene: &Scene, fabric: Fabric) -> Self {
+        let mesh = mesh(scene);
+        let masses: Vec<f64> = mesh
+            .vertex_areas
+            .iter()
+            .map(|a| a * fabric.areal_density)
+            .collect();
+        let gravity = Gravity::new(&masses, scene.gravity.into());
+        let mass: f64 = masses.iter().sum();
+        let weight = if gravity.total() > 0.0 {
+            gravity.total()
+        } else {
+            mass * 9.81
+        };
+        let membrane = fabric.membrane();
+        let stiffness = (membrane.c11 * membrane.c22).sqrt();
+        let supports: Vec<Support> = supports(scene, &mesh);
+        let contact = (!scene.obstacle.is_empty())
+            .then(|| ContactLaw::new(weight, stiffness, fabric.thickness));
+        let (turn, shift) = placement(scene);
+        let start_gravity = (0..masses.len())
+            .map(|v| {
+                let p = mesh.outline[v];
+                gravity.value(v, &[turn * Vector3::new(p.x, p.y, 0.0) + shift])
+            })
+            .sum();
+        Self {
+            start_gravity,
+            stretch: Stretch::new(&mesh, membrane),
+            bend: Bend::new(&mesh, fabric.bending()),
+            gravity,
+            damping: Damping::new(scene.damping, &mesh.vertex_areas),
+            contact,
+            features: Features::new(&mesh),
+            dofs: Dofs::new(&mesh, &supports),
+            readings: readings(scene, &mesh),
+            scene: scene.clone(),
+            fabric,
+            mesh,
+            masses,
+            weight,
+            supports,
+        }
+    }
+
+    /// Nodes (vertex positions \[m\], then edge slopes) at the start: flat, placed, perturbed, supports displaced.
+    pub fn start(&self) -> Vec<Vector3<f64>> {
+        let (turn, shift) = placement(&self.scene);
+        let sheet_to_world = |p: &Vector2<f64>| turn * Vector3::new(p.x, p.y, 0.0) + shift;
+        let normal = turn * Vector3::z();
+        let mut nodes: Vec<Vector3<f64>> = self
+            .mesh
+            .outline
+            .iter()
+            .zip(perturbation(&self.scene, &self.mesh))
+            .map(|(p, rise)| sheet_to_world(p) + normal * rise)
+            .collect();
+        for support in &self.supports {
+            for &v in &support.vertices {
+                let flat = sheet_to_world(&self.mesh.outline[v as usize]) + support.displacement;
+                for axis in 0..3 {
+                    if support.axes[axis] {
+                        nodes[v as usize][axis] = flat[axis];
+                    }
+                }
+            }
+        }
+        let yarns = Rotation3::from_axis_angle(
+            &Vector3::z_axis(),
+            self.scene.sheet.warp_angle.to_radians(),
+        );
+        nodes.extend((0..self.mesh.edges.len()).map(|e| {
+            let n = self.mesh.edge_normal(e);
+            turn * (yarns * Vector3::new(n.x, n.y, 0.0))
+        }));
+        nodes
+    }
+
+    /// The obstacles at the start, in the order of their names.
+    pub fn obstacles(&self) -> Vec<Obstacle> {
+        self.scene
+            .obstacle
+            .iter()
+            .map(|(name, spec)| Obstacle {
+                name: name.clone(),
+                shape: spec.shape.clone(),
+                pose: Pose::from_parts(
+                    Vector3::from(spec.position).into(),
+                    UnitQuaternion::from_rotation_matrix(&rotation(&spec.rotation)),
+                ),
+                velocity: Velocity {
+                    linear: spec.linear_velocity.into(),
+                    angular: spec.angular_velocity.into(),
+                },
+                friction: spec.friction,
+            })
+            .collect()
+    }
+}
+
+fn rotation(degrees: &[f64; 3]) -> Rotation3<f64> {
+    let [roll, pitch, yaw] = degrees.map(f64::to_radians);
+    Rotation3::from_euler_angles(roll, pitch, yaw)
+}
+
+fn placement(scene: &Scene) -> (Rotation3<f64>, Vector3<f64>) {
+    (rotation(&scene.sheet.rotation), scene.sheet.position.into())
+}
+
+fn mesh(scene: &Scene) -> Mesh {
+    let sheet = &scene.sheet;
+    let edge = match (sheet.edge, sheet.triangles) {
+        (Some(edge), _) => edge,
+        (None, count) => sheet.outline.edge_for(count.unwrap_or(1000)),
+    };
+    let options = MeshOptions {
+        edge,
+        jitter: sheet.jitter,
+        seed: sheet.mesh_seed,
+        warp_angle: sheet.warp_angle.to_radians(),
+    };
+    generate(&sheet.outline, &options)
+}
+
+fn supports(scene: &Scene, mesh: &Mesh) -> Vec<Support> {
+    let support = |spec: &crate::scene::SupportSpec| {
+        let inside = region(&spec.region, mesh);
+        Support::new(
+            mesh,
+            inside,
+            spec.kind == SupportKind::Clamp,
+            ["x", "y", "z"].map(|axis| spec.axes.contains(axis)),
+            spec.displacement.into(),
+        )
+    };
+    scene.support.values().map(support).collect()
+}
+
+/// Test for a region of the sheet, with a margin for rounding.
+fn region(region: &Region, mesh: &Mesh) -> impl Fn(&Vector2<f64>) -> bool {
+    let points = &mesh.outline;
+    let low = points
+        .iter()
+        .fold(Vector2::repeat(f64::INFINITY), |m, p| m.inf(p));
+    let high = points
+        .iter()
+        .fold(Vector2::repeat(f64::NEG_INFINITY), |m, p| m.sup(p));
+    let margin = 1e-9 * (high - low).norm();
+    let mut on_boundary: Vec<[u64; 2]> = (0..mesh.edges.len())
+        .filter(|&e| mesh.is_boundary(e))
+        .flat_map(|e| mesh.edges[e].map(|v| bits(&points[v as usize])))
+        .collect();
+    on_boundary.sort_unstable();
+    let nearest = match region {
+        Region::Point { at } => points[nearest_vertex(mesh, at) as usize],
+        _ => Vector2::zeros(),
+    };
+    let region = *region;
+    move |p: &Vector2<f64>| match region {
+        Region::XMin => p.x <= low.x + margin,
+        Region::XMax => p.x >= high.x - margin,
+        Region::YMin => p.y <= low.y + margin,
+        Region::YMax => p.y >= high.y - margin,
+        Region::Boundary => on_boundary.binary_search(&bits(p)).is_ok(),
+        Region::Box { min, max } => {
+            (0..2).all(|i| p[i] >= min[i] - margin && p[i] <= max[i] + margin)
+        }
+        Region::Disc { diameter } => p.norm() <= 0.5 * diameter + margin,
+        Region::Point { .. } => *p == nearest,
+    }
+}
+
+fn bits(p: &Vector2<f64>) -> [u64; 2] {
+    [p.x.to_bits(), p.y.to_bits()]
+}
+
+fn nearest_vertex(mesh: &Mesh, at: &[f64; 2]) -> u32 {
+    let at = Vector2::from(*at);
+    let distance = |v: &u32| (mesh.outline[*v as usize] - at).norm_squared();
+    (0..mesh.outline.len() as u32)
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        .expect("a mesh has vertices")
+}
+
+fn readings(scene: &Scene, mesh: &Mesh) -> Vec<Reading> {
+    let (turn, shift) = placement(scene);
+    let reading = |(name, spec): (&String, &crate::scene::ObserveSpec)| {
+        let vertices: Vec<u32> = spec
+            .points
+            .iter()
+            .map(|at| nearest_vertex(mesh, at))
+            .collect();
+        let axis = match spec.axis {
+            Axis::X => 0,
+            Axis::Y => 1,
+            Axis::Z => 2,
+        };
+        let sum: f64 = vertices
+            .iter()
+            .map(|&v| {
+                let p = mesh.outline[v as usize];
+                (turn * Vector3::new(p.x, p.y, 0.0) + shift)[axis]
+            })
+            .sum();
+        let start = sum / vertices.len() as f64;
+        let name = name.clone();
+        Reading {
+            name,
+            vertices,
+            axis,
+            start,
+        }
+    };
+    scene.observe.iter().map(reading).collect()
+}
+
+/// Waves summed in the perturbation.
+const WAVES: usize = 24;
+
+/// A smooth random field on the vertices: plane waves of random direction, phase and length (between a quarter
+/// and the whole of the sheet's size), scaled to the amplitude \[m\].
+fn perturbation(scene: &Scene, mesh: &Mesh) -> Vec<f64> {
+    let spec = scene.perturbation;
+    if spec.amplitude == 0.0 {
+        return vec![0.0; mesh.outline.len()];
+    }
+    let mut random = Pcg64::seed_from_u64(spec.seed);
+    let size = mesh.outline.iter().map(|p| p.norm()).fold(0.0, f64::max) * 2f64.sqrt();
+    let waves: Vec<(Vector2<f64>, f64)> = (0..WAVES)
+        .map(|_| {
+            let (turn, phase, length): (f64, f64, f64) =
+                (random.random(), random.random(), random.random());
+            let (sin, cos) = (std::f64::consts::TAU * turn).sin_cos();
+            let number = std::f64::consts::TAU * (1.0 + 3.0 * length) / size;
+            (
+                Vector2::new(cos, sin) * number,
+                phase * std::f64::consts::TAU,
+            )
+        })
+        .collect();
+    let raw: Vec<f64> = mesh
+        .outline
+        .iter()
+        .map(|p| {
+            waves
+                .iter()
+                .map(|(k, phase)| (k.dot(p) + phase).cos())
+                .sum()
+        })
+        .collect();
+    let largest = raw.iter().fold(0.0, |m: f64, r| m.max(r.abs()));
+    raw.iter().map(|r| r * spec.amplitude / largest).collect()
 }

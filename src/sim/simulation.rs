@@ -1,111 +1,107 @@
-//! PLACEHOLDER physics while the house goes up (replaced by the real step before the first landing).
+//! A model with its state, and the step (DESIGN section 6).
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector3;
 
-use super::{Model, State, StepReport};
-use crate::contact::{Obstacle, Pose, Velocity};
-use crate::fabric;
+use super::implicit::{Implicit, Solved};
+use super::integrate::Rule;
+use super::integrate::explicit::{Explicit, SAFETY};
+use super::measure;
+use super::model::Model;
+use super::report::StepReport;
+use super::state::{History, State};
+use super::touch::{Before, Touch};
+use crate::math::newton::Limits;
 use crate::scene::Scene;
-use crate::sheet::Mesh;
+
+/// Why a simulation could not be built.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Refused {
+    /// The explicit scheme was asked for more than its stable step.
+    #[error(
+        "method.substep = {asked:.3e} s is over the stable limit of central-difference on this mesh, \
+         {limit:.3e} s; leave it out to substep at the limit"
+    )]
+    Unstable {
+        /// Substep asked for \[s\].
+        asked: f64,
+        /// Stable limit \[s\].
+        limit: f64,
+    },
+    /// The fabric cannot be resolved.
+    #[error("{0}")]
+    Fabric(String),
+}
 
 /// A step that could not be taken.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "step {step} at {time:.4} s did not converge: residual {residual:.2e} of the weight, worst at vertex {vertex}; {advice}"
+    "step {step} from {time:.4} s failed even at {dt:.1e} s: residual {residual:.1e} of the weight, largest at \
+     vertex {vertex} near ({:.4}, {:.4}, {:.4}) m; {advice}", at[0], at[1], at[2]
 )]
 pub struct Diverged {
     /// The step that failed.
     pub step: u64,
-    /// Its start time \[s\].
+    /// Its start \[s\].
     pub time: f64,
+    /// The smallest step tried \[s\].
+    pub dt: f64,
     /// Residual over the weight \[-\].
     pub residual: f64,
     /// Vertex with the largest residual force.
     pub vertex: usize,
+    /// Where that vertex was at the start of the step \[m\].
+    pub at: [f64; 3],
     /// What to try.
     pub advice: String,
 }
 
+/// Smallest part of a step that is tried: 1/64.
+const TICKS: u32 = 64;
+
+enum Engine {
+    Implicit(Rule, Box<Implicit>),
+    Explicit { substep: f64 },
+}
+
 /// A model with its state.
 pub struct Simulation {
-    model: Model,
-    state: State,
-    report: StepReport,
+    pub(super) model: Model,
+    pub(super) state: State,
+    pub(super) report: StepReport,
+    pub(super) explicit: Explicit,
+    engine: Engine,
 }
 
 impl Simulation {
-    /// Builds model and start state from a checked scene.
-    pub fn new(scene: &Scene, _threads: usize) -> Self {
-        let n = 30usize;
-        let mut outline = vec![];
-        for i in 0..n {
-            for j in 0..n {
-                outline.push(Vector2::new(
-                    0.2 * (i as f64 / (n - 1) as f64 - 0.5),
-                    0.2 * (j as f64 / (n - 1) as f64 - 0.5),
-                ));
-            }
-        }
-        let mut faces = vec![];
-        for i in 0..n - 1 {
-            for j in 0..n - 1 {
-                let (a, b, c, d) = (
-                    i * n + j,
-                    (i + 1) * n + j,
-                    (i + 1) * n + j + 1,
-                    i * n + j + 1,
-                );
-                faces.push([a as u32, b as u32, c as u32]);
-                faces.push([a as u32, c as u32, d as u32]);
-            }
-        }
-        let mesh = Mesh {
-            material: outline.clone(),
-            face_edges: vec![],
-            edges: vec![],
-            edge_faces: vec![],
-            face_areas: vec![0.04 / faces.len() as f64; faces.len()],
-            vertex_areas: vec![0.04 / outline.len() as f64; outline.len()],
-            faces,
-            outline,
+    /// Builds model and start state from a checked scene; results do not depend on `threads`.
+    pub fn new(scene: &Scene, threads: usize) -> Result<Self, Refused> {
+        let fabric = scene
+            .fabric
+            .resolve()
+            .map_err(|e| Refused::Fabric(e.to_string()))?;
+        let model = Model::new(scene, fabric);
+        let mut explicit = Explicit::new(&model, threads);
+        let mut nodes = model.start();
+        explicit.relax(&model, &mut nodes);
+        let engine = match Rule::of(&scene.method) {
+            Some(rule) => Engine::Implicit(rule, Box::new(Implicit::new(&model, threads))),
+            None => Engine::Explicit {
+                substep: substep(&model, &mut explicit, &nodes)?,
+            },
         };
-        let positions: Vec<_> = mesh
-            .outline
-            .iter()
-            .map(|p| Vector3::new(p.x, p.y, 0.0))
-            .collect();
-        let obstacles = scene
-            .obstacle
-            .iter()
-            .map(|(name, o)| Obstacle {
-                name: name.clone(),
-                shape: o.shape.clone(),
-                pose: Pose::translation(o.position[0], o.position[1], o.position[2]),
-                velocity: Velocity::default(),
-                friction: o.friction,
-            })
-            .collect();
-        let state = State {
-            step: 0,
-            velocities: vec![Vector3::zeros(); positions.len()],
-            positions,
-            slopes: vec![],
-            obstacles,
+        let (state, touch) = start(&model, &mut explicit, &nodes);
+        let mut report = StepReport {
+            converged: true,
+            ..StepReport::default()
         };
-        let fabric = fabric::find(&scene.fabric.name).expect("checked");
-        let model = Model {
-            scene: scene.clone(),
-            fabric,
-            mesh,
-        };
-        Self {
+        measure::measure(&model, &state, &touch, &mut report);
+        Ok(Self {
             model,
             state,
-            report: StepReport {
-                converged: true,
-                ..StepReport::default()
-            },
-        }
+            report,
+            explicit,
+            engine,
+        })
     }
 
     /// The constant part.
@@ -123,26 +119,187 @@ impl Simulation {
         &self.report
     }
 
-    /// Takes one step.
-    pub fn step(&mut self) -> Result<&StepReport, Diverged> {
-        self.state.step += 1;
-        let dt = self.model.scene.method.dt;
-        let t = self.state.step as f64 * dt;
-        for (x, p) in self
-            .state
-            .positions
-            .iter_mut()
-            .zip(&self.model.mesh.outline)
-        {
-            let r = (p.x.abs().max(p.y.abs()) - 0.05).max(0.0);
-            x.z =
-                3e-4 - r * r * 10.0 * t.min(1.0) + 0.001 * (20.0 * t + 60.0 * p.x).sin() * r * 20.0;
+    /// Substep of the explicit scheme \[s\], if that is the method.
+    pub fn substep(&self) -> Option<f64> {
+        match self.engine {
+            Engine::Explicit { substep } => Some(substep),
+            Engine::Implicit(..) => None,
         }
-        self.report.step = self.state.step;
-        self.report.time = t;
-        self.report.dt = dt;
-        self.report.digest = self.state.step.wrapping_mul(0x9E37_79B9_7F4A_7C15);
-        self.report.work.iterations = 3;
+    }
+
+    /// Takes one step, or leaves the state as it was and says why.
+    pub fn step(&mut self) -> Result<&StepReport, Diverged> {
+        let mut next = self.state.clone();
+        let mut report = StepReport {
+            energies: self.report.energies,
+            dt: self.model.scene.method.dt,
+            converged: true,
+            ..StepReport::default()
+        };
+        let touch = match &mut self.engine {
+            Engine::Implicit(rule, solver) => {
+                implicit_step(&self.model, *rule, solver, &mut next, &mut report)?
+            }
+            Engine::Explicit { substep } => explicit_step(
+                &self.model,
+                &mut self.explicit,
+                *substep,
+                &mut next,
+                &mut report,
+            )?,
+        };
+        next.step += 1;
+        measure::measure(&self.model, &next, &touch, &mut report);
+        self.state = next;
+        self.report = report;
         Ok(&self.report)
+    }
+}
+
+/// Start state at the nodes given, at rest, with its contacts and accelerations.
+fn start(model: &Model, explicit: &mut Explicit, nodes: &[Vector3<f64>]) -> (State, Touch) {
+    let vertices = model.masses.len();
+    let mut state = State {
+        step: 0,
+        positions: nodes[..vertices].to_vec(),
+        velocities: vec![Vector3::zeros(); vertices],
+        slopes: nodes[vertices..].to_vec(),
+        obstacles: model.obstacles(),
+        history: History::default(),
+        bonds: vec![],
+    };
+    let before = Before {
+        positions: &state.positions,
+        obstacles: &state.obstacles,
+        bonds: &[],
+    };
+    let (accelerations, touch) = explicit.accelerations(model, &state, &before);
+    state.history.accelerations = accelerations;
+    (state, touch)
+}
+
+fn substep(model: &Model, explicit: &mut Explicit, nodes: &[Vector3<f64>]) -> Result<f64, Refused> {
+    let limit = explicit.limit(model, nodes);
+    let method = &model.scene.method;
+    match method.substep {
+        Some(asked) if asked > limit => Err(Refused::Unstable { asked, limit }),
+        Some(asked) => Ok(asked),
+        None => Ok((SAFETY * limit).min(method.dt)),
+    }
+}
+
+/// One outer step in as many parts as it needs: a part that fails is halved, one that succeeds may double.
+fn implicit_step(
+    model: &Model,
+    rule: Rule,
+    solver: &mut Implicit,
+    state: &mut State,
+    report: &mut StepReport,
+) -> Result<Touch, Diverged> {
+    let method = &model.scene.method;
+    let limits = Limits {
+        tolerance: method.tolerance,
+        iterations: method.max_iterations,
+    };
+    let (mut done, mut size) = (0, TICKS);
+    let mut touch = Touch::default();
+    while done < TICKS {
+        let dt = method.dt * f64::from(size) / f64::from(TICKS);
+        let solved = solver.solve(model, state, rule, dt, &limits);
+        count(&solved, report);
+        if !solved.outcome.converged {
+            if size == 1 {
+                return Err(diverged(model, state, &solved, dt));
+            }
+            report.work.rejected += 1;
+            size /= 2;
+            continue;
+        }
+        measure::account(model, state, &solved, rule, dt, report);
+        take(state, rule, &solved, dt);
+        touch = solved.touch;
+        done += size;
+        if size < TICKS && done % (2 * size) == 0 {
+            size *= 2;
+        }
+    }
+    Ok(touch)
+}
+
+fn count(solved: &Solved, report: &mut StepReport) {
+    let outcome = &solved.outcome;
+    report.work.substeps += u64::from(outcome.converged);
+    report.work.iterations += outcome.iterations;
+    report.work.factorisations += outcome.factorisations;
+    report.work.solves += outcome.iterations;
+    report.work.halvings += outcome.halvings;
+    if outcome.converged {
+        report.residual = report.residual.max(outcome.norm);
+    }
+}
+
+fn take(state: &mut State, rule: Rule, solved: &Solved, dt: f64) {
+    let (bonds, _) = solved.touch.settle(&solved.nodes);
+    rule.advance(state, &solved.map, &solved.nodes, dt);
+    state.bonds = bonds;
+    state.obstacles.iter_mut().for_each(|o| o.advance(dt));
+}
+
+fn diverged(model: &Model, state: &State, solved: &Solved, dt: f64) -> Diverged {
+    let method = &model.scene.method;
+    Diverged {
+        step: state.step + 1,
+        time: state.step as f64 * method.dt,
+        dt,
+        residual: solved.outcome.norm,
+        vertex: solved.worst,
+        at: state.positions[solved.worst].into(),
+        advice: format!(
+            "try a smaller method.dt (now {:.1e} s), a finer mesh there, or more method.max_iterations (now {})",
+            method.dt, method.max_iterations
+        ),
+    }
+}
+
+fn explicit_step(
+    model: &Model,
+    explicit: &mut Explicit,
+    substep: f64,
+    state: &mut State,
+    report: &mut StepReport,
+) -> Result<Touch, Diverged> {
+    let parts = (report.dt / substep).ceil().max(1.0) as u64;
+    let dt = report.dt / parts as f64;
+    let mut touch = Touch::default();
+    for _ in 0..parts {
+        let drag = model.damping.power(&state.velocities);
+        let before = state.clone();
+        touch = explicit.substep(model, state, dt);
+        let (bonds, slipped) = touch.settle(&state.nodes());
+        state.bonds = bonds;
+        let energies = &mut report.energies;
+        energies.damping += 0.5 * dt * (drag + model.damping.power(&state.velocities));
+        energies.friction += slipped;
+        energies.supports += touch.work_of_obstacles(model, &before.obstacles, &state.nodes());
+    }
+    report.work.substeps = parts;
+    let lost = state
+        .positions
+        .iter()
+        .position(|x| !x.iter().all(|c| c.is_finite() && c.abs() < 1e6));
+    match lost {
+        None => Ok(touch),
+        Some(vertex) => Err(Diverged {
+            step: state.step + 1,
+            time: state.step as f64 * report.dt,
+            dt,
+            residual: f64::INFINITY,
+            vertex,
+            at: [f64::NAN; 3],
+            advice: format!(
+                "leave method.substep out, or try one below {:.1e} s",
+                0.5 * dt
+            ),
+        }),
     }
 }

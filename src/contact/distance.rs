@@ -1,0 +1,141 @@
+//! Signed distance to the obstacle shapes, with exact first and second derivatives.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::obstacle::{Obstacle, Shape};
+
+/// Signed distance at a point and its derivatives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Distance {
+    /// Distance, negative inside \[m\].
+    pub value: f64,
+    /// Gradient: the outward unit normal \[-\].
+    pub normal: Vector3<f64>,
+    /// Second derivative \[1/m\]; zero in the plane of the normal.
+    pub curvature: Matrix3<f64>,
+}
+
+/// Lengths below this count as zero when a direction is wanted \[m\].
+const TINY: f64 = 1e-12;
+
+impl Obstacle {
+    /// Distance from a point in the world.
+    pub fn distance(&self, point: &Vector3<f64>) -> Distance {
+        let local = self.pose.inverse_transform_point(&(*point).into()).coords;
+        let d = self.shape.distance(&local);
+        let turn = self.pose.rotation.to_rotation_matrix();
+        Distance {
+            value: d.value,
+            normal: turn * d.normal,
+            curvature: turn.matrix() * d.curvature * turn.matrix().transpose(),
+        }
+    }
+}
+
+impl Shape {
+    /// Distance from a point in the shape's frame. All shapes are convex, so the value is a convex function.
+    pub fn distance(&self, p: &Vector3<f64>) -> Distance {
+        match *self {
+            Self::Plane => flat(p.z, Vector3::z()),
+            Self::Box { size } => cuboid(p, &(Vector3::from(size) * 0.5)),
+            Self::Sphere { radius } => round(p, radius, &Matrix3::identity()),
+            Self::Disc { radius } => cylinder(p, radius, 0.0),
+            Self::Cylinder { radius, length } => cylinder(p, radius, 0.5 * length),
+            Self::Capsule { radius, length } => {
+                let half = 0.5 * length;
+                let on_axis = Vector3::new(0.0, 0.0, p.z.clamp(-half, half));
+                let beside = p.z.abs() < half;
+                let free = if beside {
+                    across_z()
+                } else {
+                    Matrix3::identity()
+                };
+                round(&(p - on_axis), radius, &free)
+            }
+        }
+    }
+}
+
+fn across_z() -> Matrix3<f64> {
+    Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 0.0))
+}
+
+fn flat(value: f64, normal: Vector3<f64>) -> Distance {
+    let curvature = Matrix3::zeros();
+    Distance {
+        value,
+        normal,
+        curvature,
+    }
+}
+
+/// Distance |d| - radius, where `free` projects on the directions in which d changes with the point.
+fn round(d: &Vector3<f64>, radius: f64, free: &Matrix3<f64>) -> Distance {
+    let length = d.norm();
+    if length < TINY {
+        return flat(-radius, Vector3::z());
+    }
+    let normal = d / length;
+    Distance {
+        value: length - radius,
+        normal,
+        curvature: (free - normal * normal.transpose()) / length,
+    }
+}
+
+fn cuboid(p: &Vector3<f64>, half: &Vector3<f64>) -> Distance {
+    let sign = p.map(|c| if c < 0.0 { -1.0 } else { 1.0 });
+    let q = p.abs() - half;
+    let outside = q.map(|c| c.max(0.0));
+    if outside.norm_squared() > 0.0 {
+        let active = q.map(|c| f64::from(c > 0.0));
+        return round(
+            &outside.component_mul(&sign),
+            0.0,
+            &Matrix3::from_diagonal(&active),
+        );
+    }
+    let axis = q.imax();
+    let mut normal = Vector3::zeros();
+    normal[axis] = sign[axis];
+    flat(q[axis], normal)
+}
+
+/// Cylinder about z of half length `half`; with `half` zero, a disc with two sides.
+fn cylinder(p: &Vector3<f64>, radius: f64, half: f64) -> Distance {
+    let rho = p.x.hypot(p.y);
+    let radial = if rho > TINY {
+        Vector3::new(p.x / rho, p.y / rho, 0.0)
+    } else {
+        Vector3::x()
+    };
+    let up = if p.z < 0.0 {
+        -Vector3::z()
+    } else {
+        Vector3::z()
+    };
+    let (beyond_side, beyond_cap) = (rho - radius, p.z.abs() - half);
+    let around = Vector3::z().cross(&radial);
+    let around = around * around.transpose();
+    if beyond_side > 0.0 && beyond_cap > 0.0 {
+        let d = radial * beyond_side + up * beyond_cap;
+        let length = d.norm();
+        let normal = d / length;
+        let meridian = Matrix3::identity() - around - normal * normal.transpose();
+        let curvature = meridian / length + around * (normal.dot(&radial) / rho);
+        return Distance {
+            value: length,
+            normal,
+            curvature,
+        };
+    }
+    if beyond_cap > beyond_side {
+        return flat(beyond_cap, up);
+    }
+    let curvature = around / rho.max(TINY);
+    Distance {
+        value: beyond_side,
+        normal: radial,
+        curvature,
+    }
+}

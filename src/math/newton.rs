@@ -1,0 +1,159 @@
+//! Newton's method with a sparse Cholesky step and a line search on the directional derivative.
+
+use super::cholesky::Cholesky;
+
+/// A system of equations r(z) = 0 whose Jacobian is symmetric.
+pub trait Problem {
+    /// Writes r(z) and returns its scaled norm; non-finite values mean that z is outside the domain.
+    fn residual(&mut self, z: &[f64], r: &mut [f64]) -> f64;
+    /// Says that the z of the last call to `residual` is the new iterate.
+    fn accept(&mut self);
+    /// Writes the lower triangle of the Jacobian at the z of the last call to `residual`; with `projected`,
+    /// of a positive semidefinite stand-in.
+    fn tangent(&mut self, projection: f64, values: &mut [f64]);
+}
+
+/// When to stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Scaled norm of the residual at which the system counts as solved.
+    pub tolerance: f64,
+    /// Most iterations.
+    pub iterations: usize,
+}
+
+/// What the iteration did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Outcome {
+    /// Whether the tolerance was met.
+    pub converged: bool,
+    /// Last scaled norm.
+    pub norm: f64,
+    /// Iterations.
+    pub iterations: u64,
+    /// Factorisations.
+    pub factorisations: u64,
+    /// Line search steps beyond the first.
+    pub halvings: u64,
+}
+
+/// Work vectors, kept between calls.
+#[derive(Clone, Debug, Default)]
+pub struct Scratch {
+    r: Vec<f64>,
+    trial_r: Vec<f64>,
+    trial: Vec<f64>,
+    step: Vec<f64>,
+    values: Vec<f64>,
+    projection: f64,
+}
+
+/// Least share of projection that is tried.
+const LEAST_PROJECTION: f64 = 1.0 / 64.0;
+/// Most halvings of one step.
+const HALVINGS: usize = 12;
+/// A step is long enough when |slope| along it has fallen below this fraction.
+const CURVATURE: f64 = 0.9;
+
+/// Solves r(z) = 0 from the given z, which holds the best iterate on return.
+pub fn newton(
+    problem: &mut impl Problem,
+    cholesky: &mut Cholesky,
+    z: &mut [f64],
+    limits: &Limits,
+    scratch: &mut Scratch,
+) -> Outcome {
+    let size = z.len();
+    let mut outcome = Outcome::default();
+    scratch.r.resize(size, 0.0);
+    scratch.trial_r.resize(size, 0.0);
+    scratch.trial.resize(size, 0.0);
+    scratch.step.resize(size, 0.0);
+    scratch.values.resize(cholesky.pattern().entries(), 0.0);
+    outcome.norm = problem.residual(z, &mut scratch.r);
+    loop {
+        outcome.converged = outcome.norm <= limits.tolerance;
+        if outcome.converged || outcome.iterations as usize >= limits.iterations {
+            return outcome;
+        }
+        outcome.iterations += 1;
+        if !factorise(problem, cholesky, scratch, &mut outcome) {
+            return outcome;
+        }
+        for (step, r) in scratch.step.iter_mut().zip(&scratch.r) {
+            *step = -r;
+        }
+        cholesky.solve(&mut scratch.step, 1);
+        if !line_search(problem, z, scratch, &mut outcome) {
+            return outcome;
+        }
+    }
+}
+
+/// Factorises the tangent with as much projection as it needs to be positive definite. The share starts from
+/// what the iteration before needed: a factorisation that fails costs as much as one that does not.
+fn factorise(
+    problem: &mut impl Problem,
+    cholesky: &mut Cholesky,
+    scratch: &mut Scratch,
+    outcome: &mut Outcome,
+) -> bool {
+    loop {
+        problem.tangent(scratch.projection, &mut scratch.values);
+        outcome.factorisations += 1;
+        if cholesky.factorise(&scratch.values).is_ok() {
+            scratch.projection = if scratch.projection <= LEAST_PROJECTION {
+                0.0
+            } else {
+                scratch.projection / 4.0
+            };
+            return true;
+        }
+        if scratch.projection >= 1.0 {
+            return false;
+        }
+        scratch.projection = (4.0 * scratch.projection).clamp(LEAST_PROJECTION, 1.0);
+    }
+}
+
+/// Moves z along the step to where the slope r·step has lost its size or changed sign mildly.
+fn line_search(
+    problem: &mut impl Problem,
+    z: &mut [f64],
+    scratch: &mut Scratch,
+    outcome: &mut Outcome,
+) -> bool {
+    let slope = dot(&scratch.r, &scratch.step);
+    if !slope.is_finite() || slope >= 0.0 {
+        return false;
+    }
+    let mut length = 1.0;
+    for _ in 0..=HALVINGS {
+        for ((trial, z), step) in scratch.trial.iter_mut().zip(&*z).zip(&scratch.step) {
+            *trial = z + length * step;
+        }
+        let norm = problem.residual(&scratch.trial, &mut scratch.trial_r);
+        let trial_slope = dot(&scratch.trial_r, &scratch.step);
+        if norm.is_finite() && trial_slope <= CURVATURE * slope.abs() {
+            z.copy_from_slice(&scratch.trial);
+            std::mem::swap(&mut scratch.r, &mut scratch.trial_r);
+            outcome.norm = norm;
+            problem.accept();
+            return true;
+        }
+        outcome.halvings += 1;
+        // Where the slope would vanish if it were linear in the length.
+        let secant = slope / (slope - trial_slope);
+        let shrink = if secant.is_finite() {
+            secant.clamp(0.1, 0.5)
+        } else {
+            0.1
+        };
+        length *= shrink;
+    }
+    false
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}

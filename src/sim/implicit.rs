@@ -1,0 +1,239 @@
+//! One implicit step as a nonlinear system for Newton.
+
+use nalgebra::Vector3;
+
+use super::assembly::{Assembly, pick};
+use super::integrate::{Map, Rule};
+use super::model::Model;
+use super::state::State;
+use super::touch::{Before, Touch};
+use crate::math::cholesky::Cholesky;
+use crate::math::newton::{Limits, Outcome, Problem, Scratch, newton};
+use crate::math::sparse::NO_SLOT;
+use crate::physics::Potential;
+
+/// Solver of implicit steps: all that is reused from step to step and is not state.
+pub struct Implicit {
+    assembly: Assembly,
+    cholesky: Cholesky,
+    scratch: Scratch,
+    z: Vec<f64>,
+    nodes: Vec<Vector3<f64>>,
+    forces: Vec<Vector3<f64>>,
+    stresses: Vec<Vector3<f64>>,
+}
+
+/// A solved step, not yet taken.
+pub struct Solved {
+    /// The scheme's map.
+    pub map: Map,
+    /// Nodes at the map's fraction.
+    pub nodes: Vec<Vector3<f64>>,
+    /// Contacts there.
+    pub touch: Touch,
+    /// What Newton did.
+    pub outcome: Outcome,
+    /// Vertex with the largest residual force.
+    pub worst: usize,
+}
+
+impl Implicit {
+    /// Analyses the model's tangent once.
+    pub fn new(model: &Model, threads: usize) -> Self {
+        let assembly = Assembly::new(model, threads);
+        Self {
+            cholesky: Cholesky::new(assembly.pattern().clone()),
+            assembly,
+            scratch: Scratch::default(),
+            z: vec![0.0; model.dofs.size],
+            nodes: vec![],
+            forces: vec![],
+            stresses: vec![],
+        }
+    }
+
+    /// Stored entries of the factor.
+    pub fn factor_entries(&self) -> usize {
+        self.cholesky.factor_entries()
+    }
+
+    /// Solves the equations of one step of `dt` from `state`.
+    pub fn solve(
+        &mut self,
+        model: &Model,
+        state: &State,
+        rule: Rule,
+        dt: f64,
+        limits: &Limits,
+    ) -> Solved {
+        let map = rule.map(state, dt);
+        let mut touch = Touch {
+            obstacles: state.obstacles.clone(),
+            ..Touch::default()
+        };
+        for obstacle in &mut touch.obstacles {
+            obstacle.advance(map.fraction * dt);
+        }
+        self.nodes = predict(model, state, rule, map.fraction * dt);
+        self.forces.resize(self.nodes.len(), Vector3::zeros());
+        model.dofs.gather(&self.nodes, &mut self.z);
+        let start = state.nodes();
+        self.stresses.clear();
+        self.stresses.extend((0..model.stretch.count()).map(|f| {
+            let x = pick(&start, &model.stretch.nodes(f));
+            model.stretch.linearised_stress(f, &x, &x)
+        }));
+        let mut problem = StepProblem {
+            stresses: &mut self.stresses,
+            iterate: self.nodes.clone(),
+            model,
+            before: Before {
+                positions: &state.positions,
+                obstacles: &state.obstacles,
+                bonds: &state.bonds,
+            },
+            map: &map,
+            assembly: &mut self.assembly,
+            touch,
+            nodes: &mut self.nodes,
+            forces: &mut self.forces,
+        };
+        let outcome = newton(
+            &mut problem,
+            &mut self.cholesky,
+            &mut self.z,
+            limits,
+            &mut self.scratch,
+        );
+        // The last evaluation may have been a rejected trial.
+        let mut r = vec![0.0; model.dofs.size];
+        problem.residual(&self.z, &mut r);
+        let worst = problem.worst();
+        let touch = problem.touch;
+        Solved {
+            nodes: self.nodes.clone(),
+            map,
+            touch,
+            outcome,
+            worst,
+        }
+    }
+}
+
+/// First guess: the velocity kept. Adding the acceleration makes Newton's start worse: it carries the vibration
+/// of the membrane, which the step does not resolve.
+fn predict(model: &Model, state: &State, rule: Rule, dt: f64) -> Vec<Vector3<f64>> {
+    let mut nodes = state.nodes();
+    if rule == Rule::GradientFlow {
+        return nodes;
+    }
+    for v in 0..model.masses.len() {
+        for axis in 0..3 {
+            if model.dofs.index[v][axis] != NO_SLOT {
+                nodes[v][axis] += dt * state.velocities[v][axis];
+            }
+        }
+    }
+    nodes
+}
+
+struct StepProblem<'a> {
+    model: &'a Model,
+    before: Before<'a>,
+    map: &'a Map,
+    assembly: &'a mut Assembly,
+    touch: Touch,
+    nodes: &'a mut Vec<Vector3<f64>>,
+    forces: &'a mut Vec<Vector3<f64>>,
+    /// Stress of each face for the geometric part of the tangent.
+    stresses: &'a mut Vec<Vector3<f64>>,
+    /// Nodes of the iterate before.
+    iterate: Vec<Vector3<f64>>,
+}
+
+impl StepProblem<'_> {
+    /// Fills `forces` with M a + mu A v + dW/dx at the current nodes.
+    fn evaluate(&mut self) {
+        self.forces.fill(Vector3::zeros());
+        self.assembly.internal(self.model, self.nodes, self.forces);
+        let (map, model) = (self.map, self.model);
+        for v in 0..model.masses.len() {
+            let x = self.nodes[v];
+            let acceleration = x * map.alpha_a + map.b_a[v];
+            let velocity = x * map.alpha_v + map.b_v[v];
+            self.forces[v] += acceleration * model.masses[v] - model.damping.force(v, &velocity)
+                + model.gravity.gradient(v, &[x])[0];
+        }
+        if let Some(law) = &model.contact {
+            self.touch.find(model, law, self.nodes, &self.before);
+            self.touch.gradient(model, law, self.nodes, self.forces);
+        }
+    }
+
+    /// Residual force of a node on its free components \[N\].
+    fn free(&self, node: usize) -> Vector3<f64> {
+        let index = self.model.dofs.index[node];
+        let mask = |axis: usize| f64::from(index[axis] != NO_SLOT);
+        self.forces[node].component_mul(&Vector3::new(mask(0), mask(1), mask(2)))
+    }
+
+    fn worst(&self) -> usize {
+        (0..self.model.masses.len())
+            .max_by(|&a, &b| {
+                self.free(a)
+                    .norm_squared()
+                    .total_cmp(&self.free(b).norm_squared())
+            })
+            .unwrap_or(0)
+    }
+
+    /// Sum of the residual forces over the weight; the moments on slopes count over their edge's length.
+    fn norm(&self) -> f64 {
+        let vertices = self.model.masses.len();
+        let forces: f64 = (0..vertices).map(|v| self.free(v).norm()).sum();
+        let moments: f64 = (vertices..self.nodes.len())
+            .map(|n| self.free(n).norm() / self.model.mesh.edge_length(n - vertices))
+            .sum();
+        (forces + moments) / self.model.weight
+    }
+}
+
+impl Problem for StepProblem<'_> {
+    fn residual(&mut self, z: &[f64], r: &mut [f64]) -> f64 {
+        self.model.dofs.scatter(z, self.nodes);
+        self.evaluate();
+        self.model.dofs.gather(self.forces, r);
+        self.norm()
+    }
+
+    fn accept(&mut self) {
+        for (f, stress) in self.stresses.iter_mut().enumerate() {
+            let stencil = self.model.stretch.nodes(f);
+            let [from, to] = [&self.iterate, &*self.nodes].map(|nodes| pick(nodes, &stencil));
+            *stress = self.model.stretch.linearised_stress(f, &from, &to);
+        }
+        self.iterate.copy_from_slice(self.nodes);
+    }
+
+    fn tangent(&mut self, projection: f64, values: &mut [f64]) {
+        let weights = (self.map.alpha_a, self.map.alpha_v);
+        self.assembly.tangent(
+            self.model,
+            self.nodes,
+            self.stresses,
+            weights,
+            projection,
+            values,
+        );
+        if let Some(law) = &self.model.contact {
+            self.touch.tangent(
+                self.model,
+                law,
+                self.nodes,
+                projection,
+                self.assembly,
+                values,
+            );
+        }
+    }
+}

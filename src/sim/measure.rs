@@ -1,0 +1,81 @@
+//! Stage 8: what a step reports, read-only.
+
+use super::assembly::pick;
+use super::implicit::Solved;
+use super::integrate::Rule;
+use super::model::Model;
+use super::report::StepReport;
+use super::state::State;
+use super::touch::Touch;
+use crate::physics::Potential;
+
+/// Fills in everything that can be read off a state and its contacts.
+pub fn measure(model: &Model, state: &State, touch: &Touch, report: &mut StepReport) {
+    let nodes = state.nodes();
+    let energies = &mut report.energies;
+    energies.kinetic = kinetic(model, state);
+    energies.stretch = total(&model.stretch, &nodes);
+    energies.bend = total(&model.bend, &nodes);
+    energies.gravity = total(&model.gravity, &nodes) - model.start_gravity;
+    if let Some(law) = &model.contact {
+        energies.contact = touch.energy(model, law, &nodes);
+        report.deepest_penetration = touch.deepest(law);
+        report.contacts = touch.proximities.len() as u64;
+    }
+    report.largest_strain = (0..model.stretch.count())
+        .map(|s| {
+            model
+                .stretch
+                .largest_principal(s, &pick(&nodes, &model.stretch.nodes(s)))
+        })
+        .fold(0.0, f64::max);
+    report.readings = model
+        .readings
+        .iter()
+        .map(|r| {
+            let sum: f64 = r
+                .vertices
+                .iter()
+                .map(|&v| state.positions[v as usize][r.axis])
+                .sum();
+            sum / r.vertices.len() as f64 - r.start
+        })
+        .collect();
+    report.step = state.step;
+    report.dt = model.scene.method.dt;
+    report.time = state.step as f64 * report.dt;
+    report.digest = state.digest();
+}
+
+/// Adds what damping, friction and moving obstacles did in a solved step to the ledger.
+pub fn account(
+    model: &Model,
+    state: &State,
+    solved: &Solved,
+    rule: Rule,
+    dt: f64,
+    report: &mut StepReport,
+) {
+    let mut end = state.clone();
+    rule.advance(&mut end, &solved.map, &solved.nodes, dt);
+    let power = model.damping.power(&state.velocities) + model.damping.power(&end.velocities);
+    let (_, slipped) = solved.touch.settle(&solved.nodes);
+    let energies = &mut report.energies;
+    energies.damping += 0.5 * dt * power;
+    energies.friction += slipped;
+    energies.supports += solved
+        .touch
+        .work_of_obstacles(model, &state.obstacles, &solved.nodes);
+}
+
+fn kinetic(model: &Model, state: &State) -> f64 {
+    let energy = |(m, v): (&f64, &nalgebra::Vector3<f64>)| 0.5 * m * v.norm_squared();
+    model.masses.iter().zip(&state.velocities).map(energy).sum()
+}
+
+/// Energy of a term over all its stencils \[J\].
+pub fn total<const N: usize>(term: &impl Potential<N>, nodes: &[nalgebra::Vector3<f64>]) -> f64 {
+    (0..term.count())
+        .map(|s| term.value(s, &pick(nodes, &term.nodes(s))))
+        .sum()
+}
