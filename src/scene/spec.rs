@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::contact::Shape;
 use crate::fabric::{PoissonCoupling, TwistRigidity};
 
-/// A scene as written. [`Scene::check`](Scene) has passed on every one that reaches the simulation.
+/// A scene as written. [`Scene::check`] has passed on every one that reaches the simulation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
@@ -47,6 +47,18 @@ pub struct Scene {
     pub observe: BTreeMap<String, ObserveSpec>,
 }
 
+impl Scene {
+    /// Number of steps of the run: the duration in whole steps, at least one.
+    pub fn steps(&self) -> u64 {
+        ((self.duration / self.method.dt).round() as u64).max(1)
+    }
+
+    /// Steps from one output to the next: the nearest to the wanted rate, at least one.
+    pub fn output_steps(&self) -> u64 {
+        ((1.0 / (self.output.rate * self.method.dt)).round() as u64).max(1)
+    }
+}
+
 fn standard_gravity() -> [f64; 3] {
     [0.0, 0.0, -9.81]
 }
@@ -76,6 +88,47 @@ pub enum Outline {
     },
 }
 
+impl Outline {
+    /// Area \[m²\].
+    pub fn area(&self) -> f64 {
+        let disc = |diameter: f64| 0.25 * std::f64::consts::PI * diameter * diameter;
+        match *self {
+            Outline::Rectangle { length, width } => length * width,
+            Outline::Disc { diameter } => disc(diameter),
+            Outline::Annulus { outer, inner } => disc(outer) - disc(inner),
+        }
+    }
+
+    /// Half the extent along sheet x and y \[m\].
+    pub fn half_extent(&self) -> [f64; 2] {
+        match *self {
+            Outline::Rectangle { length, width } => [0.5 * length, 0.5 * width],
+            Outline::Disc { diameter } => [0.5 * diameter; 2],
+            Outline::Annulus { outer, .. } => [0.5 * outer; 2],
+        }
+    }
+
+    /// Whether a point of the sheet's x, y lies on the sheet, its rim included.
+    pub fn contains(&self, [x, y]: [f64; 2]) -> bool {
+        // Rounding must not push a corner off its own sheet.
+        let slack = 1e-9;
+        let [half_x, half_y] = self.half_extent();
+        let radius = x.hypot(y);
+        match *self {
+            Outline::Rectangle { .. } => x.abs() <= half_x + slack && y.abs() <= half_y + slack,
+            Outline::Disc { .. } => radius <= half_x + slack,
+            Outline::Annulus { inner, .. } => {
+                radius <= half_x + slack && radius >= 0.5 * inner - slack
+            }
+        }
+    }
+
+    /// Edge length of equilateral triangles, that many of which cover the outline \[m\].
+    pub fn edge_for(&self, triangles: f64) -> f64 {
+        (4.0 * self.area() / (3.0_f64.sqrt() * triangles)).sqrt()
+    }
+}
+
 /// The sheet: outline, mesh size, where it starts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -103,6 +156,17 @@ pub struct SheetSpec {
     /// Roll, pitch, yaw of the flat sheet at the start \[degrees\].
     #[serde(default)]
     pub rotation: [f64; 3],
+}
+
+impl SheetSpec {
+    /// Edge length that the scene asks for, directly or by the number of triangles \[m\].
+    pub fn edge_length(&self) -> f64 {
+        match (self.edge, self.triangles) {
+            (Some(edge), _) => edge,
+            (None, Some(triangles)) => self.outline.edge_for(triangles as f64),
+            (None, None) => self.outline.edge_for(1.0),
+        }
+    }
 }
 
 /// A catalogue fabric by name, with single constants replaced if given; or all constants of one's own.
@@ -256,6 +320,38 @@ pub enum Scheme {
     GeneralisedAlpha,
     /// The paper's explicit scheme (16), at its own stable step.
     CentralDifference,
+}
+
+impl Scheme {
+    /// All schemes, in the order of `toile list methods`.
+    pub const ALL: [Scheme; 4] = [
+        Scheme::BackwardEuler,
+        Scheme::Bdf2,
+        Scheme::GeneralisedAlpha,
+        Scheme::CentralDifference,
+    ];
+
+    /// The name in scenes and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Scheme::BackwardEuler => "backward-euler",
+            Scheme::Bdf2 => "bdf2",
+            Scheme::GeneralisedAlpha => "generalised-alpha",
+            Scheme::CentralDifference => "central-difference",
+        }
+    }
+
+    /// One line on what it is.
+    pub fn description(self) -> &'static str {
+        match self {
+            Scheme::BackwardEuler => "implicit, first order, damps strongly",
+            Scheme::Bdf2 => "implicit, second order, damps what the step cannot resolve",
+            Scheme::GeneralisedAlpha => "implicit, second order, damping set by rho_infinity",
+            Scheme::CentralDifference => {
+                "explicit, second order, substeps at its own stability limit"
+            }
+        }
+    }
 }
 
 /// How steps are taken and solved.
