@@ -1,0 +1,3 @@
+//! What rerun and Foxglove need to show a recording at once.
+
+use std::path::Path;
