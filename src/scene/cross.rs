@@ -3,8 +3,9 @@
 use super::FabricError;
 use super::check::refuse_key;
 use super::error::{Problem, SceneError};
+use super::outline::Outline;
 use super::quantity::short;
-use super::spec::{Outline, Region, Scene};
+use super::spec::{Region, Scene};
 use super::tree::Node;
 
 /// A conflict: the key to blame and why.

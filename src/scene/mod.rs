@@ -9,6 +9,8 @@ mod error;
 mod fabric;
 mod keys;
 pub mod library;
+mod method;
+mod outline;
 mod overrides;
 mod parse;
 mod quantity;
@@ -18,6 +20,8 @@ mod warning;
 
 pub use error::{Origin, Problem, SceneError};
 pub use fabric::FabricError;
+pub use method::{MethodSpec, OutputSpec, Scheme};
+pub use outline::Outline;
 pub use overrides::Override;
 pub use parse::parse;
 pub use spec::*;

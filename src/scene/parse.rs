@@ -6,6 +6,7 @@ use super::check;
 use super::cross;
 use super::error::{Origin, Problem, SceneError};
 use super::keys::SCENE;
+use super::method::OutputSpec;
 use super::overrides::{self, Override};
 use super::spec::Scene;
 use super::tree::{Node, Value};
@@ -53,7 +54,7 @@ fn fit_default_rate(document: &mut Node) {
         return;
     };
     let origin = rate.origin.clone();
-    if dt * super::spec::OutputSpec::default().rate <= 1.0 {
+    if dt * OutputSpec::default().rate <= 1.0 {
         return;
     }
     let rate = Node::from_value(toml::Value::Float(1.0 / dt), &origin);

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::method::{MethodSpec, OutputSpec};
+use super::outline::Outline;
 use crate::contact::Shape;
 use crate::fabric::{PoissonCoupling, TwistRigidity};
 
@@ -61,72 +63,6 @@ impl Scene {
 
 fn standard_gravity() -> [f64; 3] {
     [0.0, 0.0, -9.81]
-}
-
-/// Outline of the flat sheet in material coordinates, centred on the origin unless said; metres.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Outline {
-    /// A rectangle, `length` along sheet x and `width` along sheet y (a strip is a narrow one).
-    Rectangle {
-        /// Extent along sheet x \[m\].
-        length: f64,
-        /// Extent along sheet y \[m\].
-        width: f64,
-    },
-    /// A disc.
-    Disc {
-        /// Diameter \[m\].
-        diameter: f64,
-    },
-    /// A ring.
-    Annulus {
-        /// Outer diameter \[m\].
-        outer: f64,
-        /// Inner diameter \[m\].
-        inner: f64,
-    },
-}
-
-impl Outline {
-    /// Area \[m²\].
-    pub fn area(&self) -> f64 {
-        let disc = |diameter: f64| 0.25 * std::f64::consts::PI * diameter * diameter;
-        match *self {
-            Outline::Rectangle { length, width } => length * width,
-            Outline::Disc { diameter } => disc(diameter),
-            Outline::Annulus { outer, inner } => disc(outer) - disc(inner),
-        }
-    }
-
-    /// Half the extent along sheet x and y \[m\].
-    pub fn half_extent(&self) -> [f64; 2] {
-        match *self {
-            Outline::Rectangle { length, width } => [0.5 * length, 0.5 * width],
-            Outline::Disc { diameter } => [0.5 * diameter; 2],
-            Outline::Annulus { outer, .. } => [0.5 * outer; 2],
-        }
-    }
-
-    /// Whether a point of the sheet's x, y lies on the sheet, its rim included.
-    pub fn contains(&self, [x, y]: [f64; 2]) -> bool {
-        // Rounding must not push a corner off its own sheet.
-        let slack = 1e-9;
-        let [half_x, half_y] = self.half_extent();
-        let radius = x.hypot(y);
-        match *self {
-            Outline::Rectangle { .. } => x.abs() <= half_x + slack && y.abs() <= half_y + slack,
-            Outline::Disc { .. } => radius <= half_x + slack,
-            Outline::Annulus { inner, .. } => {
-                radius <= half_x + slack && radius >= 0.5 * inner - slack
-            }
-        }
-    }
-
-    /// Edge length of equilateral triangles, that many of which cover the outline \[m\].
-    pub fn edge_for(&self, triangles: f64) -> f64 {
-        (4.0 * self.area() / (3.0_f64.sqrt() * triangles)).sqrt()
-    }
 }
 
 /// The sheet: outline, mesh size, where it starts.
@@ -306,99 +242,6 @@ pub struct Perturbation {
     /// Seed of the field.
     #[serde(default)]
     pub seed: u64,
-}
-
-/// Time scheme (DESIGN section 3).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Scheme {
-    /// First order, strongly damping.
-    BackwardEuler,
-    /// Second order, variable step, damps only what the step cannot resolve.
-    Bdf2,
-    /// Second order, damping chosen by the spectral radius at infinite frequency.
-    GeneralisedAlpha,
-    /// The paper's explicit scheme (16), at its own stable step.
-    CentralDifference,
-}
-
-impl Scheme {
-    /// All schemes, in the order of `toile list methods`.
-    pub const ALL: [Scheme; 4] = [
-        Scheme::BackwardEuler,
-        Scheme::Bdf2,
-        Scheme::GeneralisedAlpha,
-        Scheme::CentralDifference,
-    ];
-
-    /// The name in scenes and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Scheme::BackwardEuler => "backward-euler",
-            Scheme::Bdf2 => "bdf2",
-            Scheme::GeneralisedAlpha => "generalised-alpha",
-            Scheme::CentralDifference => "central-difference",
-        }
-    }
-
-    /// One line on what it is.
-    pub fn description(self) -> &'static str {
-        match self {
-            Scheme::BackwardEuler => "implicit, first order, damps strongly",
-            Scheme::Bdf2 => "implicit, second order, damps what the step cannot resolve",
-            Scheme::GeneralisedAlpha => "implicit, second order, damping set by rho_infinity",
-            Scheme::CentralDifference => {
-                "explicit, second order, substeps at its own stability limit"
-            }
-        }
-    }
-}
-
-/// How steps are taken and solved.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct MethodSpec {
-    /// Time scheme.
-    pub scheme: Scheme,
-    /// Step \[s\]; the outer step of `central-difference`, which substeps.
-    pub dt: f64,
-    /// A step has converged when its force residual is below this fraction of the sheet's weight \[-\].
-    pub tolerance: f64,
-    /// Newton iterations before a step is retried smaller.
-    pub max_iterations: usize,
-    /// Spectral radius of `generalised-alpha` at infinite frequency, 0 to 1.
-    pub rho_infinity: f64,
-}
-
-impl Default for MethodSpec {
-    fn default() -> Self {
-        Self {
-            scheme: Scheme::Bdf2,
-            dt: 5e-3,
-            tolerance: 1e-4,
-            max_iterations: 40,
-            rho_infinity: 0.8,
-        }
-    }
-}
-
-/// What goes out, and how often.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct OutputSpec {
-    /// States and reports per simulated second \[Hz\]; a whole number of steps apart.
-    pub rate: f64,
-    /// Mesh markers per simulated second \[Hz\]; 0 turns them off.
-    pub mesh_rate: f64,
-}
-
-impl Default for OutputSpec {
-    fn default() -> Self {
-        Self {
-            rate: 100.0,
-            mesh_rate: 25.0,
-        }
-    }
 }
 
 /// World axis.
