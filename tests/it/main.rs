@@ -1,5 +1,8 @@
-//! The integration tests: one binary, one module per subject.
+//! The integration tests: one binary, a module per subject.
 
 mod cli;
+mod messages;
+mod recording;
 mod refusal;
 mod scene;
+mod tidy;
