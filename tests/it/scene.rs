@@ -227,3 +227,14 @@ fn what_is_unwise_but_possible_is_remarked() {
     );
     assert!(texts[1].contains("the run ends at 0.125 s"), "{texts:?}");
 }
+
+/// The scene that README.md shows a newcomer.
+#[test]
+fn the_scene_of_the_readme_is_taken_without_remarks() {
+    let readme = include_str!("../../README.md");
+    let text = readme.split("```toml\n").nth(1).unwrap();
+    let text = text.split("```").next().unwrap();
+    let (scene, warnings) = parse(text, &[]).unwrap();
+    assert_eq!(scene.name, "napkin");
+    assert_eq!(warnings, vec![]);
+}

@@ -251,13 +251,34 @@ fn every_term_is_complete_and_named() {
     assert_eq!(names(&rows("Terms")), terms, "terms in ARCHITECTURE.md");
 }
 
+/// Variants of an enum without fields, in kebab case, read off its source.
+fn variants(path: &str, name: &str) -> BTreeSet<String> {
+    let text = read(path);
+    let body = text.split(&format!("pub enum {name} {{\n")).nth(1).unwrap();
+    let body = body.split("\n}").next().unwrap();
+    let names = body.lines().map(|line| identifier(code(line).trim()));
+    names.filter(|name| !name.is_empty()).map(kebab).collect()
+}
+
+fn kebab(name: &str) -> String {
+    let mut kebab = String::new();
+    for c in name.chars() {
+        if c.is_uppercase() && !kebab.is_empty() {
+            kebab.push('-');
+        }
+        kebab.extend(c.to_lowercase());
+    }
+    kebab
+}
+
 #[test]
 fn every_scheme_is_named() {
-    let schemes: BTreeSet<_> = toile::scene::Scheme::ALL
-        .into_iter()
-        .map(|scheme| scheme.name().to_string())
-        .collect();
-    assert_eq!(names(&rows("Schemes")), schemes);
+    let schemes = variants("src/scene/method.rs", "Scheme");
+    assert!(schemes.contains("generalised-alpha"), "{schemes:?}");
+    assert_eq!(names(&rows("Schemes")), schemes, "in ARCHITECTURE.md");
+    let all = toile::scene::Scheme::ALL;
+    let all: BTreeSet<_> = all.iter().map(|scheme| scheme.name().to_string()).collect();
+    assert_eq!(all, schemes, "in Scheme::ALL");
 }
 
 #[test]
@@ -323,5 +344,14 @@ fn every_guard_of_an_invariant_exists() {
                 || root().join(format!("tests/it/{name}.rs")).is_file();
             assert!(known, "ARCHITECTURE.md: there is no test {guard}");
         }
+    }
+}
+
+#[test]
+fn the_readme_names_every_topic() {
+    let readme = read("README.md");
+    for channel in toile::wire::channels::ALL {
+        let topic = format!("`{}`", channel.topic);
+        assert!(readme.contains(&topic), "README.md does not name {topic}");
     }
 }
