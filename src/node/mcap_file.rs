@@ -128,9 +128,9 @@ impl McapFile {
 
 impl Carrier for McapFile {
     fn publish(&mut self, packet: &Packet) -> Result<(), NodeError> {
-        let Some(index) = channels::ALL.iter().position(|c| *c == packet.channel) else {
-            return Ok(());
-        };
+        let mut table = channels::ALL.iter();
+        let index = table.position(|c| std::ptr::eq(*c, packet.channel));
+        let index = index.expect("packets are made for channels of the table only");
         let (channel_id, sequence) = &mut self.channels[index];
         *sequence += 1;
         let header = MessageHeader {

@@ -66,7 +66,7 @@ fn record(
     {
         carry(
             &mut carriers,
-            &wire::publish(model, &state, &report, with_mesh)?,
+            &wire::instant(model, &state, &report, with_mesh)?,
         )?;
     }
     carriers.iter_mut().try_for_each(|carrier| carrier.close())

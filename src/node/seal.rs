@@ -18,25 +18,28 @@ use super::records::{Span, record, spans, unpack};
 use super::store::Store;
 
 /// Adds the index to a recording that ends without one; an incomplete last chunk goes. On a full disk chunks
-/// are given up from the end until the index fits.
+/// are given up from the end, twice as many at each attempt, until the index fits.
 pub fn seal(path: &Path) -> Result<(), NodeError> {
+    let mut surplus = 1;
     loop {
         match complete(path) {
-            Err(NodeError::DiskFull { .. }) if drop_last_chunk(path)? => {}
+            Err(NodeError::DiskFull { .. }) if give_up(path, surplus)? => surplus *= 2,
             other => return other,
         }
     }
 }
 
-/// Gives up the last complete chunk and all after it; false if there was none.
-fn drop_last_chunk(path: &Path) -> Result<bool, NodeError> {
+/// Cuts off the last chunks, up to `count` but not the first; false if there was none to cut.
+fn give_up(path: &Path, count: usize) -> Result<bool, NodeError> {
     let mut file = open(path)?;
-    let records = spans(&mut file, path)?;
-    let Some(chunk) = records.iter().rfind(|s| s.op == op::CHUNK) else {
+    let mut chunks = spans(&mut file, path)?;
+    chunks.retain(|s| s.op == op::CHUNK);
+    let keep = chunks.len().saturating_sub(count).max(1);
+    let Some(first_lost) = chunks.get(keep) else {
         return Ok(false);
     };
-    file.set_len(chunk.start)
-        .map_err(NodeError::file("shorten", path))?;
+    let cut = file.set_len(first_lost.start);
+    cut.map_err(NodeError::file("shorten", path))?;
     Ok(true)
 }
 

@@ -12,7 +12,9 @@ use tempfile::TempDir;
 use toile::node::{Memory, NodeError, Recording, RunOptions, Summary, run, seal};
 use toile::scene::Scene;
 use toile::sim::Simulation;
-use toile::wire::channels;
+use toile::wire::channels::{self, Rate};
+use toile::wire::messages::sensor_msgs::PointCloud2;
+use toile::wire::{cloud, markers};
 
 /// A square over a table beside a moving ball, 20 steps of 5 ms.
 const SCENE: &str = r#"
@@ -89,6 +91,68 @@ fn round_trip_through_the_file() {
     }
 }
 
+/// The simulation of the scene after some steps.
+fn stepped(steps: usize) -> Simulation {
+    let mut simulation = Simulation::new(&scene(), 1);
+    for _ in 0..steps {
+        simulation.step().expect("steps");
+    }
+    simulation
+}
+
+/// FLOAT32 value of a named field of a point, read as a viewer does: by the field table.
+fn value(cloud: &PointCloud2, point: usize, name: &str) -> f32 {
+    let field = cloud
+        .fields
+        .iter()
+        .find(|f| f.name == name)
+        .expect("the field");
+    assert_eq!((field.datatype, field.count), (7, 1));
+    let at = point * cloud.point_step as usize + field.offset as usize;
+    f32::from_le_bytes(cloud.data[at..at + 4].try_into().expect("4 bytes"))
+}
+
+#[test]
+fn cloud_holds_positions_and_velocities_by_its_field_table() {
+    let simulation = stepped(3);
+    let state = simulation.state();
+    let cloud = cloud::encode(state, 0.015);
+    assert_eq!(cloud.header.frame_id, "world");
+    assert_eq!(
+        (cloud.header.stamp.sec, cloud.header.stamp.nanosec),
+        (0, 15_000_000)
+    );
+    assert_eq!(
+        (cloud.height, cloud.width as usize),
+        (1, state.positions.len())
+    );
+    assert_eq!(cloud.data.len(), cloud.row_step as usize);
+    for (i, (x, v)) in state.positions.iter().zip(&state.velocities).enumerate() {
+        let read = ["x", "y", "z", "vx", "vy", "vz"].map(|name| value(&cloud, i, name));
+        let truth = [x.x, x.y, x.z, v.x, v.y, v.z].map(|c| c as f32);
+        assert_eq!(read, truth, "vertex {i}");
+    }
+}
+
+#[test]
+fn surface_runs_through_the_vertices_in_face_order() {
+    let simulation = stepped(3);
+    let (mesh, positions) = (&simulation.model().mesh, &simulation.state().positions);
+    let surface = markers(mesh, positions, 0.015);
+    let [marker] = &surface.markers[..] else {
+        panic!("one marker");
+    };
+    assert_eq!(
+        (marker.r#type, marker.header.frame_id.as_str()),
+        (11, "world")
+    );
+    assert_eq!(marker.points.len(), 3 * mesh.faces.len());
+    for (point, vertex) in marker.points.iter().zip(mesh.faces.iter().flatten()) {
+        let truth = positions[*vertex as usize].map(|c| f64::from(c as f32));
+        assert_eq!([point.x, point.y, point.z], [truth.x, truth.y, truth.z]);
+    }
+}
+
 #[test]
 fn same_run_same_bytes() {
     let (_first, a) = recorded();
@@ -121,11 +185,16 @@ fn every_carrier_gets_the_bytes_of_the_file() {
         );
     }
     for channel in channels::ALL {
-        assert!(
-            packets.iter().any(|p| p.channel == channel),
-            "{} is silent",
-            channel.topic
-        );
+        let count = packets
+            .iter()
+            .filter(|p| std::ptr::eq(p.channel, channel))
+            .count();
+        let expected = match channel.rate {
+            Rate::Once => 1,
+            Rate::Output => 11, // steps 0, 2, ... 20
+            Rate::Mesh => 4,    // steps 0, 8, 16, and the last
+        };
+        assert_eq!(count, expected, "{}", channel.topic);
     }
 }
 
@@ -157,8 +226,8 @@ fn assert_whole(path: &Path) {
         .expect("has a summary");
     let stats = summary.stats.expect("statistics");
     let stream = mcap::MessageStream::new(&bytes).expect("an MCAP file");
-    let messages = stream.map(|m| m.expect("an undamaged message")).count();
-    assert_eq!(stats.message_count, messages as u64);
+    let messages: Vec<_> = stream.map(|m| m.expect("an undamaged message")).collect();
+    assert_eq!(stats.message_count, messages.len() as u64);
 }
 
 #[test]

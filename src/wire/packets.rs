@@ -45,7 +45,7 @@ pub fn preamble(model: &Model, obstacles: &[Obstacle]) -> Result<Vec<Packet>, Cd
 }
 
 /// What is said of one state, with the surface if `with_mesh`.
-pub fn publish(
+pub fn instant(
     model: &Model,
     state: &State,
     step: &StepReport,
