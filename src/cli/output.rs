@@ -35,3 +35,39 @@ pub(super) fn table(rows: &[Vec<String>]) -> String {
     };
     rows.iter().map(line).collect()
 }
+
+/// A number to so many significant digits, without exponent; what rounds to nothing is 0.
+pub(super) fn significant(value: f64, digits: i32) -> String {
+    let magnitude = value.abs().log10().floor();
+    if !magnitude.is_finite() || magnitude < -9.0 {
+        return "0".to_string();
+    }
+    let decimals = (digits - 1 - magnitude as i32).max(0) as usize;
+    format!("{value:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn significant_digits() {
+        for (value, text) in [
+            (0.0, "0"),
+            (-1e-20, "0"),
+            (0.001234, "0.00123"),
+            (-41.987, "-42.0"),
+            (98765.4, "98765"),
+            (1.0, "1.00"),
+        ] {
+            assert_eq!(significant(value, 3), text);
+        }
+    }
+
+    #[test]
+    fn columns_are_aligned_and_end_without_blanks() {
+        let rows = [["a", "bb", ""], ["µµµ", "b", "c"]];
+        let rows = rows.map(|row| row.map(str::to_string).to_vec());
+        assert_eq!(table(&rows), "a    bb\nµµµ  b   c\n");
+    }
+}

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use super::output;
 use crate::node::Progress;
 
 /// Parts of the bar; its unit is simulated time, so equal parts are equal time.
@@ -16,7 +17,7 @@ impl Bar {
     /// A bar on standard error; it draws nothing when that is not a terminal.
     pub(super) fn new(scene: &str) -> Self {
         let bar = ProgressBar::with_draw_target(Some(PARTS), ProgressDrawTarget::stderr());
-        if let Ok(style) = ProgressStyle::with_template("{prefix} [{bar:32}] {msg}") {
+        if let Ok(style) = ProgressStyle::with_template("{prefix} [{wide_bar}] {msg}") {
             bar.set_style(style.progress_chars("=> "));
         }
         bar.set_prefix(scene.to_string());
@@ -44,8 +45,9 @@ fn line(progress: &Progress) -> String {
     let left = (progress.duration - progress.time).max(0.0) / speed.max(1e-9);
     // An estimate beyond a century is none, and Duration holds no infinity.
     let left = indicatif::HumanDuration(Duration::from_secs_f64(left.min(3e9)));
+    let speed = output::significant(speed, 2);
     format!(
-        "{:.3} of {:.3} s, {speed:.2} x real time, {left:#} left",
+        "{:.3} of {:.3} s, {speed} x real time, {left:#} left",
         progress.time, progress.duration
     )
 }

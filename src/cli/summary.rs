@@ -10,7 +10,7 @@ use crate::sim::Energies;
 /// The closing summary on a terminal.
 pub(super) fn text(scene: &Scene, run: &Summary) -> String {
     let work = &run.work;
-    let rate = run.time / run.wall_seconds.max(1e-9);
+    let rate = output::significant(run.time / run.wall_seconds.max(1e-9), 2);
     let mut rows = vec![
         ("simulated", simulated(scene, run)),
         (
@@ -24,7 +24,7 @@ pub(super) fn text(scene: &Scene, run: &Summary) -> String {
         ("exchanged [mJ]", exchanged(&run.energies)),
         (
             "largest strain",
-            format!("{:.3} %", 1e2 * run.largest_strain),
+            format!("{} %", output::significant(1e2 * run.largest_strain, 3)),
         ),
         (
             "deepest penetration",
@@ -37,7 +37,7 @@ pub(super) fn text(scene: &Scene, run: &Summary) -> String {
     rows.push((
         "time",
         format!(
-            "{:.2} s wall ({rate:.2} x real time), {:.2} s CPU",
+            "{:.2} s wall ({rate} x real time), {:.2} s CPU",
             run.wall_seconds, run.cpu_seconds
         ),
     ));
@@ -75,7 +75,7 @@ fn simulated(scene: &Scene, run: &Summary) -> String {
 fn millijoules(terms: &[(&str, f64)]) -> String {
     let terms: Vec<_> = terms
         .iter()
-        .map(|(name, joules)| format!("{name} {:.3}", 1e3 * joules))
+        .map(|(name, joules)| format!("{name} {}", output::significant(1e3 * joules, 4)))
         .collect();
     terms.join(", ")
 }
