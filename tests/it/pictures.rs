@@ -165,3 +165,87 @@ fn gallery() {
     let p = draw(&subject, &m, &framing, Size::default()).unwrap();
     std::fs::write("/tmp/shapes.png", p.png().unwrap()).unwrap();
 }
+
+fn synthetic() -> Vec<rows::Row> {
+    use toile::chart::rows::*;
+    use toile::scene::Scheme;
+    let mut all = vec![];
+    for (scheme, order, c, cost) in [
+        (Scheme::BackwardEuler, 1.0, 30.0, 1.0),
+        (Scheme::Bdf2, 2.0, 1500.0, 1.05),
+        (Scheme::GeneralisedAlpha, 2.0, 400.0, 1.15),
+    ] {
+        for dt in [1e-2, 5e-3, 2e-3, 1e-3, 5e-4] {
+            let dead = scheme == Scheme::GeneralisedAlpha && dt > 4e-3;
+            let steps = (0.3f64 / dt) as u64;
+            all.push(Row {
+                key: Key {
+                    scene: "strip-release".into(),
+                    fabric: "F1".into(),
+                    mesh: "triangles=600".into(),
+                    scheme,
+                    asked: Asked::Step(dt),
+                },
+                triangles: 604,
+                dt,
+                tolerance: 1e-6,
+                outcome: if dead {
+                    Outcome::Died {
+                        time: 0.08,
+                        message: "step 8 at 0.08 s did not converge: \"a\", b".into(),
+                    }
+                } else {
+                    Outcome::Done {
+                        error: c * dt.powf(order) + 2.3e-3,
+                    }
+                },
+                cpu: cost * 0.3 * (7e-3 / dt).powf(0.8),
+                simulated: if dead { 0.08 } else { 0.3 },
+                steps,
+                substeps: steps,
+                rejected: 0,
+                iterations: 4 * steps,
+                factorisations: 4 * steps,
+            });
+        }
+    }
+    for part in [1, 2] {
+        let dt = 1.6e-5 / part as f64;
+        all.push(Row {
+            key: Key {
+                scene: "strip-release".into(),
+                fabric: "F1".into(),
+                mesh: "triangles=600".into(),
+                scheme: Scheme::CentralDifference,
+                asked: Asked::Limit(part),
+            },
+            triangles: 604,
+            dt,
+            tolerance: 1e-6,
+            outcome: Outcome::Done { error: 2.25e-3 },
+            cpu: 1.3 * part as f64,
+            simulated: 0.3,
+            steps: 600,
+            substeps: 18750 * part as u64,
+            rejected: 0,
+            iterations: 0,
+            factorisations: 0,
+        });
+    }
+    all
+}
+
+#[test]
+fn charted() {
+    let caption = plot::Caption {
+        scene: "strip-release".into(),
+        title: "strip-release: error against step and CPU time".into(),
+        subtitle: "F1, 604 triangles; tip of a 100 mm strip, largest error over 0.3 s".into(),
+        error_over: "length (100 mm)".into(),
+        uncertainty: 1.3e-4,
+        source: "independent chain of 200 links, DOP853".into(),
+    };
+    let svg = plot::chart(&caption, &synthetic()).unwrap();
+    std::fs::write("/tmp/wp.svg", &svg).unwrap();
+    std::fs::write("/tmp/wp.png", png_of_svg(&svg, 1.0).unwrap()).unwrap();
+}
