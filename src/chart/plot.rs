@@ -3,7 +3,7 @@
 //! Runs that died are crosses in a band at the top, at their step and their CPU time: never left out.
 
 use plotters::coord::Shift;
-use plotters::coord::combinators::LogCoord;
+use plotters::coord::combinators::{BindKeyPoints, LogCoord, WithKeyPoints};
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -41,7 +41,7 @@ pub struct Caption {
     pub source: String,
 }
 
-type Log = LogCoord<f64>;
+type Log = WithKeyPoints<LogCoord<f64>>;
 type Panel<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Log, Log>>;
 type Area<'b> = DrawingArea<SVGBackend<'b>, Shift>;
 
@@ -132,7 +132,7 @@ fn legend(root: &Area, arranged: &Arranged) -> Result<(), DrawError> {
         let style = at(font(17, INK), HPos::Left, VPos::Center);
         root.draw_text(scheme_name(scheme), &style, (x + 54, y))
             .map_err(fault)?;
-        x += 88 + 9 * scheme_name(scheme).len() as i32;
+        x += 90 + 8 * scheme_name(scheme).len() as i32;
     }
     if !arranged.front.is_empty() {
         let line = PathElement::new(vec![(x, y), (x + 44, y)], FRONT.stroke_width(9));
@@ -181,7 +181,7 @@ fn step_panel(
     let points = arranged.curves.iter().flat_map(|(_, c)| c).map(|p| p.dt);
     let range = log_range(points.chain(arranged.crosses.iter().map(|c| c.dt)));
     let mut panel = frame(area, caption, "step or substep [s]", range, errors)?;
-    ground(&mut panel, caption, range, errors)?;
+    ground(area, &mut panel, caption, range, errors)?;
     guides(&mut panel, arranged, range, errors)?;
     curves(area, &mut panel, arranged, |p| p.dt)?;
     crosses(area, &panel, arranged, range, errors, |c| c.dt)
@@ -198,14 +198,13 @@ fn cpu_panel(
     let range = log_range(points.chain(dead).chain([1.0]));
     let label = "CPU seconds per simulated second [-], one thread";
     let mut panel = frame(area, caption, label, range, errors)?;
-    ground(&mut panel, caption, range, errors)?;
+    ground(area, &mut panel, caption, range, errors)?;
     let (low, _, top) = errors;
     let line = PathElement::new(vec![(1.0, low), (1.0, top)], INK.mix(0.7).stroke_width(2));
     panel.draw_series([line]).map_err(fault)?;
-    let style = at(font(15, INK), HPos::Left, VPos::Bottom).transform(FontTransform::Rotate270);
-    let here = panel.backend_coord(&(1.0, low));
-    let local = to_local(area, here);
-    area.draw_text("real time", &style, (local.0 - 20, local.1 - 10))
+    let here = to_local(area, panel.backend_coord(&(1.0, top)));
+    let style = at(font(15, INK), HPos::Right, VPos::Top);
+    area.draw_text("real time", &style, (here.0 - 7, here.1 + 8))
         .map_err(fault)?;
     let mut steps = vec![];
     for (k, (cpu, error)) in arranged.front.iter().enumerate() {
@@ -226,7 +225,7 @@ fn frame<'a, 'b>(
     caption: &Caption,
     x_label: &str,
     x: (f64, f64),
-    errors: (f64, f64, f64),
+    (low, high, top): (f64, f64, f64),
 ) -> Result<Panel<'a, 'b>, DrawError> {
     let mut panel = ChartBuilder::on(area)
         .margin_left(24)
@@ -234,24 +233,19 @@ fn frame<'a, 'b>(
         .margin_top(6)
         .x_label_area_size(58)
         .y_label_area_size(84)
-        .build_cartesian_2d((x.0..x.1).log_scale(), (errors.0..errors.1).log_scale())
+        .build_cartesian_2d(
+            (x.0..x.1).log_scale().with_key_points(ticks(x.0, x.1)),
+            (low..high).log_scale().with_key_points(ticks(low, top)),
+        )
         .map_err(fault)?;
-    let top = errors.2;
-    let y_label = move |y: &f64| {
-        if *y > top * 1.001 {
-            String::new()
-        } else {
-            decade(*y)
-        }
-    };
     panel
         .configure_mesh()
         .x_desc(x_label)
         .y_desc(format!("largest error / {}", caption.error_over))
         .axis_desc_style(font(18, INK))
         .label_style(font(16, INK))
-        .x_label_formatter(&|x| decade(*x))
-        .y_label_formatter(&y_label)
+        .x_label_formatter(&|x| tick(*x))
+        .y_label_formatter(&|y| tick(*y))
         .bold_line_style(GRID)
         .light_line_style(WHITE)
         .axis_style(FAINT)
@@ -260,25 +254,46 @@ fn frame<'a, 'b>(
     Ok(panel)
 }
 
-/// Powers of ten as powers, the rest as short numbers.
-fn decade(x: f64) -> String {
+/// Whole decades within a range; on a short axis 2 and 5 as well.
+fn ticks(low: f64, high: f64) -> Vec<f64> {
+    let leads: &[f64] = if high / low < 60.0 {
+        &[1.0, 2.0, 5.0]
+    } else {
+        &[1.0]
+    };
+    let decades = low.log10().floor() as i32..=high.log10().ceil() as i32;
+    let all = decades.flat_map(|d| leads.iter().map(move |l| l * 10f64.powi(d)));
+    all.filter(|v| *v >= low * 0.999 && *v <= high * 1.001)
+        .collect()
+}
+
+/// Powers of ten as powers, what lies between as it is.
+fn tick(x: f64) -> String {
     let power = x.log10().round();
-    if (x / 10f64.powf(power) - 1.0).abs() > 1e-6 {
-        return short(x);
+    match (x / 10f64.powf(power) - 1.0).abs() < 1e-6 {
+        true => raised(power),
+        false => short(x),
+    }
+}
+
+fn raised(power: f64) -> String {
+    if power == 0.0 {
+        return "1".to_string();
     }
     let digits = format!("{power}");
-    let raised = digits.chars().map(|c| match c {
+    let digits = digits.chars().map(|c| match c {
         '-' => '⁻',
         '1' => '¹',
         '2' => '²',
         '3' => '³',
         c => char::from_u32(0x2070 + c.to_digit(10).unwrap_or(0)).unwrap_or(c),
     });
-    format!("10{}", raised.collect::<String>())
+    format!("10{}", digits.collect::<String>())
 }
 
 /// The bands behind the curves: the reference's own uncertainty below, failures above.
 fn ground(
+    area: &Area,
     panel: &mut Panel,
     caption: &Caption,
     x: (f64, f64),
@@ -289,14 +304,15 @@ fn ground(
     let red = RGBColor(200, 60, 60).mix(0.08).filled();
     let dead = Rectangle::new([(x.0, top), (x.1, high)], red);
     panel.draw_series([unsure, dead]).map_err(fault)?;
-    let note = |text: &str, style| Text::new(text.to_string(), (x.0, low), style);
-    let (left, bottom) = (HPos::Left, VPos::Bottom);
-    let under = at(font(15, FAINT), left, bottom);
-    let text = note("  the reference's own uncertainty", under.clone());
-    panel.draw_series([text]).map_err(fault)?;
-    let over = at(font(15, RGBColor(160, 50, 50)), left, VPos::Top);
-    let text = Text::new("  runs that died".to_string(), (x.0, high), over);
-    panel.draw_series([text]).map(|_| ()).map_err(fault)
+    let under = to_local(area, panel.backend_coord(&(x.0, low)));
+    let style = at(font(15, FAINT), HPos::Left, VPos::Bottom);
+    let text = "the reference's own uncertainty";
+    area.draw_text(text, &style, (under.0 + 8, under.1 - 7))
+        .map_err(fault)?;
+    let over = to_local(area, panel.backend_coord(&(x.0, high)));
+    let style = at(font(15, RGBColor(160, 50, 50)), HPos::Left, VPos::Top);
+    area.draw_text("runs that died", &style, (over.0 + 8, over.1 + 8))
+        .map_err(fault)
 }
 
 /// Slopes of first and second order through the middle of the curves.
@@ -356,37 +372,61 @@ fn curves(
 
 /// The step of every point, written beside it where no marker and no other label is in the way.
 fn step_labels(area: &Area, panel: &Panel, arranged: &Arranged) -> Result<(), DrawError> {
-    let mut taken: Vec<[i32; 4]> = vec![];
     let place = |p: &Point| to_local(area, panel.backend_coord(&(p.cpu, p.error)));
-    for (x, y) in arranged.curves.iter().flat_map(|(_, c)| c).map(place) {
-        taken.push([x - 8, y - 8, x + 8, y + 8]);
-    }
+    let mut taken = obstructions(arranged, place);
     for (scheme, points) in &arranged.curves {
         for p in points {
             let (x, y) = place(p);
-            let (w, h) = (8 * p.label.chars().count() as i32, 16);
-            let corners = [
-                (12, -h / 2),
-                (8, -h - 8),
-                (8, 8),
-                (-w - 10, -h / 2),
-                (-w - 6, -h - 8),
-                (-w - 6, 8),
+            let (w, h) = (7 * p.label.chars().count() as i32 + 2, 15);
+            let (middle, left, over) = (-h / 2, -w - 11, -h - 9);
+            let offsets = [
+                (12, middle),
+                (8, over),
+                (8, 9),
+                (left, middle),
+                (left, over),
+                (left, 9),
+                (-w / 2, over - 3),
+                (-w / 2, 12),
+                (12, -24),
+                (12, 10),
+                (-w / 2, -36),
+                (-w / 2, 24),
             ];
-            let boxed = corners.map(|(a, b)| [x + a, y + b, x + a + w, y + b + h]);
-            let clear = |b: &&[i32; 4]| {
-                taken
-                    .iter()
-                    .all(|t| b[2] < t[0] || t[2] < b[0] || b[3] < t[1] || t[3] < b[1])
+            let boxes = offsets.map(|(a, b)| [x + a, y + b, x + a + w, y + b + h]);
+            let overlaps = |b: &[i32; 4]| taken.iter().filter(|t| overlap(b, t)).count();
+            let Some(chosen) = boxes.into_iter().min_by_key(overlaps) else {
+                continue;
             };
-            let chosen = boxed.iter().find(clear).unwrap_or(&boxed[0]);
-            taken.push(*chosen);
+            taken.push(chosen);
             let style = at(font(14, color(*scheme)), HPos::Left, VPos::Top);
             area.draw_text(&p.label, &style, (chosen[0], chosen[1]))
                 .map_err(fault)?;
         }
     }
     Ok(())
+}
+
+fn overlap(a: &[i32; 4], b: &[i32; 4]) -> bool {
+    a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
+}
+
+/// Boxes that labels should not cover: markers (counted more than once) and the lines between them.
+fn obstructions(arranged: &Arranged, place: impl Fn(&Point) -> (i32, i32)) -> Vec<[i32; 4]> {
+    let mut taken = vec![];
+    for (_, points) in &arranged.curves {
+        for (x, y) in points.iter().map(&place) {
+            taken.extend([[x - 8, y - 8, x + 8, y + 8]; 3]);
+        }
+        for pair in points.windows(2) {
+            let ((x0, y0), (x1, y1)) = (place(&pair[0]), place(&pair[1]));
+            for k in 1..24 {
+                let (x, y) = (x0 + (x1 - x0) * k / 24, y0 + (y1 - y0) * k / 24);
+                taken.push([x - 1, y - 1, x + 1, y + 1]);
+            }
+        }
+    }
+    taken
 }
 
 fn crosses(

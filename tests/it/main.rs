@@ -1,3 +1,5 @@
-//! Integration tests, one binary.
+//! The integration tests: one binary, a module per subject.
 
+mod messages;
 mod pictures;
+mod recording;
