@@ -3,3 +3,5 @@
 mod messages;
 mod pictures;
 mod recording;
+mod refusal;
+mod scene;

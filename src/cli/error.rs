@@ -1,0 +1,34 @@
+//! Why a verb did not do its job.
+
+use std::io;
+use std::process::ExitCode;
+
+use crate::node::NodeError;
+use crate::scene::SceneError;
+
+/// A failure of a verb; its kind decides the exit code.
+#[derive(Debug, thiserror::Error)]
+pub enum CliError {
+    /// Input that cannot be used, in words.
+    #[error("{0}")]
+    Input(String),
+    /// A refused option or override.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A run or a file that failed.
+    #[error(transparent)]
+    Node(#[from] NodeError),
+    /// Standard output does not take the result.
+    #[error("cannot write to standard output: {0}")]
+    Output(io::Error),
+}
+
+impl CliError {
+    /// 2 for bad usage or input, 1 for a run that failed.
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            CliError::Input(_) | CliError::Scene(_) => ExitCode::from(2),
+            CliError::Node(_) | CliError::Output(_) => ExitCode::from(1),
+        }
+    }
+}
