@@ -23,7 +23,7 @@ pub const FOXGLOVE_LAYOUT: &str = include_str!("viewers/toile_layout.json");
 /// Writes both into a directory, which is made if missing; returns their paths.
 pub fn write(directory: &Path) -> Result<[PathBuf; 2], NodeError> {
     fs::create_dir_all(directory).map_err(NodeError::file("create directory", directory))?;
-    let save = |name: &str, content: &[u8]| {
+    let save = |name: &str, content: &[u8]| -> Result<PathBuf, NodeError> {
         let path = directory.join(name);
         fs::write(&path, content).map_err(NodeError::file("write", &path))?;
         Ok(path)

@@ -1,9 +1,12 @@
 //! A run through the real file and back: what is recorded can be read, whole, cut short, or on a bad disk.
 
-use std::fs;
+use std::fs::{self, File};
+use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use tempfile::TempDir;
 use toile::node::{Memory, NodeError, Recording, RunOptions, Summary, run, seal};
@@ -91,4 +94,278 @@ fn same_run_same_bytes() {
     let (_first, a) = recorded();
     let (_second, b) = recorded();
     assert!(fs::read(a).expect("read") == fs::read(b).expect("read"));
+}
+
+#[test]
+fn every_carrier_gets_the_bytes_of_the_file() {
+    let directory = TempDir::new().expect("a directory");
+    let path = directory.path().join("run.mcap");
+    let memory = Memory::default();
+    let options = RunOptions {
+        output: Some(path.clone()),
+        carriers: vec![Box::new(memory.clone())],
+        ..RunOptions::default()
+    };
+    run(&scene(), options, &mut |_| {}).expect("the run succeeds");
+    let bytes = fs::read(&path).expect("read");
+    let stream = mcap::MessageStream::new(&bytes).expect("an MCAP file");
+    let read: Vec<_> = stream.map(|m| m.expect("a message")).collect();
+    let packets = memory.packets();
+    assert_eq!(read.len(), packets.len());
+    for (message, packet) in read.iter().zip(&packets) {
+        assert_eq!(message.channel.topic, packet.channel.topic);
+        assert_eq!(message.data, packet.bytes);
+        assert_eq!(
+            (message.log_time, message.publish_time),
+            (packet.stamp, packet.stamp)
+        );
+    }
+    for channel in channels::ALL {
+        assert!(
+            packets.iter().any(|p| p.channel == channel),
+            "{} is silent",
+            channel.topic
+        );
+    }
+}
+
+#[test]
+fn stop_flag_closes_the_file_and_keeps_the_last_state() {
+    let directory = TempDir::new().expect("a directory");
+    let path = directory.path().join("run.mcap");
+    let stop = Arc::new(AtomicBool::new(false));
+    let options = RunOptions {
+        output: Some(path.clone()),
+        stop: stop.clone(),
+        ..RunOptions::default()
+    };
+    let summary = run(&scene(), options, &mut |progress| {
+        stop.store(progress.step == 7, Ordering::Relaxed);
+    });
+    let summary = summary.expect("a stopped run is no error");
+    assert!(summary.stopped && summary.steps == 7);
+    assert_whole(&path);
+    let times = Recording::open(&path).expect("opens").times();
+    assert_eq!(times.last(), Some(&0.035));
+}
+
+/// The file has an index, and its checksums are right.
+fn assert_whole(path: &Path) {
+    let bytes = fs::read(path).expect("read");
+    let summary = mcap::Summary::read(&bytes)
+        .expect("readable")
+        .expect("has a summary");
+    let stats = summary.stats.expect("statistics");
+    let stream = mcap::MessageStream::new(&bytes).expect("an MCAP file");
+    let messages = stream.map(|m| m.expect("an undamaged message")).count();
+    assert_eq!(stats.message_count, messages as u64);
+}
+
+#[test]
+fn a_file_cut_anywhere_still_explains_itself_and_can_be_sealed() {
+    let (directory, path) = recorded();
+    let bytes = fs::read(&path).expect("read");
+    let whole = Recording::open(&path).expect("opens");
+    let cut_path = directory.path().join("cut.mcap");
+    let after_topology = bytes.len() / 4;
+    for cut in (after_topology..bytes.len()).step_by(bytes.len() / 40) {
+        fs::write(&cut_path, &bytes[..cut]).expect("write");
+        let recording = Recording::open(&cut_path).expect("a cut file opens");
+        assert_eq!(recording.scene(), whole.scene());
+        assert_eq!(recording.faces(), whole.faces());
+        let times = recording.times();
+        assert_eq!(times, whole.times()[..times.len()]);
+        if let Some(last) = times.len().checked_sub(1) {
+            let (cut, full) = (recording.frame(last), whole.frame(last));
+            assert_eq!(
+                cut.expect("there").positions,
+                full.expect("there").positions
+            );
+        }
+        seal(&cut_path).expect("can be completed");
+        assert_whole(&cut_path);
+        assert_eq!(Recording::open(&cut_path).expect("opens").times(), times);
+    }
+    fs::write(&cut_path, &bytes).expect("write");
+    seal(&cut_path).expect("a whole file");
+    assert!(
+        fs::read(&cut_path).expect("read") == bytes,
+        "sealing a whole file changes nothing"
+    );
+}
+
+#[test]
+fn a_flipped_byte_is_noticed() {
+    let (_directory, path) = recorded();
+    let mut bytes = fs::read(&path).expect("read");
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    fs::write(&path, &bytes).expect("write");
+    let error = Recording::open(&path).map(|_| ()).expect_err("damaged");
+    assert!(matches!(error, NodeError::Unreadable { .. }), "{error}");
+    assert!(error.to_string().contains("at byte"), "{error}");
+}
+
+fn error_of(path: &Path) -> NodeError {
+    let options = RunOptions {
+        output: Some(path.to_path_buf()),
+        ..RunOptions::default()
+    };
+    run(&scene(), options, &mut |_| {}).expect_err("the run fails")
+}
+
+#[test]
+fn paths_that_cannot_be_written_say_so() {
+    let directory = TempDir::new().expect("a directory");
+    let file = directory.path().join("file");
+    fs::write(&file, "mine").expect("write");
+    let taken = directory.path().join("directory.mcap");
+    fs::create_dir(&taken).expect("create");
+    for path in [file.join("run.mcap"), taken] {
+        let error = error_of(&path);
+        assert!(matches!(error, NodeError::File { .. }), "{error}");
+        let parent = path.parent().expect("has one").display().to_string();
+        assert!(error.to_string().contains(&parent), "{error}");
+    }
+    assert_eq!(fs::read_to_string(&file).expect("read"), "mine");
+    let missing = Recording::open(&directory.path().join("none.mcap")).map(|_| ());
+    assert!(
+        missing
+            .expect_err("missing")
+            .to_string()
+            .contains("none.mcap")
+    );
+    let foreign = Recording::open(&file).map(|_| ()).expect_err("not MCAP");
+    assert!(matches!(foreign, NodeError::Unreadable { .. }), "{foreign}");
+}
+
+#[test]
+fn a_bag_directory_has_metadata_that_agrees() {
+    let directory = TempDir::new().expect("a directory");
+    let bag = directory.path().join("drape");
+    let summary = record(&bag);
+    assert_eq!(summary.recording, Some(bag.join("drape_0.mcap")));
+    let yaml = fs::read_to_string(bag.join("metadata.yaml")).expect("read");
+    for line in [
+        "  version: 5\n",
+        "nanoseconds: 100000000\n",
+        "    - drape_0.mcap\n",
+    ] {
+        assert!(yaml.contains(line), "{line:?} not in {yaml}");
+    }
+    let bytes = fs::read(bag.join("drape_0.mcap")).expect("read");
+    let messages = mcap::MessageStream::new(&bytes)
+        .expect("an MCAP file")
+        .count();
+    assert!(yaml.contains(&format!("  message_count: {messages}\n")));
+    assert_eq!(Recording::open(&bag).expect("opens").times().len(), 11);
+}
+
+/// Where a child process records to; see [`records_where_told`].
+const TOLD: &str = "TOILE_TEST_RECORD";
+
+/// Not a test of its own: the process that others limit and kill. Says each step that it has taken.
+#[test]
+fn records_where_told() {
+    let Some(path) = std::env::var_os(TOLD) else {
+        return;
+    };
+    let options = RunOptions {
+        output: Some(path.into()),
+        ..RunOptions::default()
+    };
+    let mut long = scene();
+    long.duration = 10.0;
+    long.output.rate = 200.0;
+    let result = run(&long, options, &mut |progress| {
+        std::thread::sleep(Duration::from_millis(1));
+        let _ = writeln!(std::io::stderr(), "step {}", progress.step);
+    });
+    if let Err(error) = result {
+        let _ = writeln!(std::io::stderr(), "error {error}");
+    }
+}
+
+/// This binary again, running only [`records_where_told`], after a shell command.
+fn child(before: &str, path: &Path) -> Command {
+    let mut command = Command::new("bash");
+    let run = "exec \"$0\" --exact recording::records_where_told --nocapture";
+    command
+        .arg("-c")
+        .arg(format!("{before} {run}"))
+        .arg(std::env::current_exe().expect("a path"))
+        .env(TOLD, path)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped());
+    command
+}
+
+#[test]
+fn kill_loses_at_most_a_tenth_of_a_second() {
+    let directory = TempDir::new().expect("a directory");
+    let path = directory.path().join("killed.mcap");
+    let mut process = child("", &path).spawn().expect("starts");
+    let lines = BufReader::new(process.stderr.take().expect("piped")).lines();
+    let steps = lines.filter_map(|l| l.ok()?.strip_prefix("step ")?.parse::<u64>().ok());
+    let last = steps.take(150).last().expect("steps are said");
+    process.kill().expect("kill -9");
+    process.wait().expect("ends");
+    let times = Recording::open(&path).expect("opens").times();
+    let recorded = (times.last().expect("states") / 0.005).round() as u64;
+    // A step takes at least 1 ms of wall time here, so 0.1 s are at most 100 steps; the queue holds 4.
+    assert!(recorded + 20 >= last, "said {last}, recorded {recorded}");
+    seal(&path).expect("can be completed");
+    assert_whole(&path);
+}
+
+#[test]
+fn a_full_disk_ends_with_an_error_and_a_file_that_opens() {
+    let directory = TempDir::new().expect("a directory");
+    let path = directory.path().join("full.mcap");
+    // No file may grow past 300 KiB: every write beyond fails, as on a full disk, the index's too.
+    let limited = child("trap '' XFSZ; ulimit -f 300;", &path)
+        .output()
+        .expect("runs");
+    let said = String::from_utf8_lossy(&limited.stderr).into_owned();
+    let error = said
+        .lines()
+        .find(|l| l.starts_with("error "))
+        .expect("an error");
+    assert!(
+        error.contains("no space left") && error.contains("full.mcap"),
+        "{error}"
+    );
+    assert_whole(&path);
+    assert!(Recording::open(&path).expect("opens").times().len() > 10);
+}
+
+#[test]
+fn a_device_without_space_is_an_error() {
+    let directory = TempDir::new().expect("a directory");
+    let path = directory.path().join("run.mcap");
+    if !Path::new("/dev/full").exists() || File::open("/dev/full").is_err() {
+        return;
+    }
+    std::os::unix::fs::symlink("/dev/full", &path).expect("link");
+    let error = error_of(&path);
+    assert!(matches!(error, NodeError::DiskFull { .. }), "{error}");
+}
+
+#[test]
+fn viewer_assets_are_written() {
+    let directory = TempDir::new().expect("a directory");
+    let target = directory.path().join("layouts");
+    let [blueprint, layout] = toile::node::viewers::write(&target).expect("written");
+    assert!(fs::read(blueprint).expect("read").starts_with(b"RRF"));
+    let layout = fs::read_to_string(layout).expect("read");
+    let layout: serde_json::Value = serde_json::from_str(&layout).expect("JSON");
+    let topics = layout["configById"]["3D!toile"]["topics"]
+        .as_object()
+        .expect("topics");
+    for topic in topics.keys() {
+        assert!(
+            channels::ALL.iter().any(|c| c.topic == topic),
+            "{topic} is not published"
+        );
+    }
 }
