@@ -10,6 +10,7 @@ mod picture_cloth;
 mod picture_labels;
 mod picture_light;
 mod picture_solids;
+mod picture_strip;
 pub mod plot;
 mod plot_points;
 mod raster;
@@ -18,4 +19,5 @@ pub mod rows;
 pub mod work_precision;
 
 pub use lettering::{DrawError, png_of_svg};
-pub use picture::{Framing, Moment, Picture, Size, Subject, View, draw, draw_strip};
+pub use picture::{Framing, Moment, Picture, Size, Subject, View, draw};
+pub use picture_strip::draw_strip;

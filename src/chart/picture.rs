@@ -79,7 +79,7 @@ impl Default for Size {
 }
 
 impl Size {
-    fn check(self) -> Result<Self, DrawError> {
+    pub(super) fn check(self) -> Result<Self, DrawError> {
         let Self { width, height } = self;
         let fits = 64..=LARGEST_SIDE;
         match fits.contains(&width) && fits.contains(&height) {
@@ -93,7 +93,7 @@ impl Size {
 #[derive(Clone, Debug)]
 pub struct Framing {
     view: View,
-    camera: Camera,
+    pub(super) camera: Camera,
     low: Vector3<f64>,
     high: Vector3<f64>,
 }
@@ -140,7 +140,7 @@ impl Framing {
 /// Finished pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
-    pixmap: Pixmap,
+    pub(super) pixmap: Pixmap,
 }
 
 impl Picture {
@@ -186,89 +186,13 @@ pub fn draw(
     labels.title(subject.title, subject.subtitle);
     labels.stamp(width - 1.5 * unit, 2.3 * unit, &time(moment.time));
     labels.scale_bar(&framing.camera, 0.2 * width, spacing(subject));
-    labels.axes(&framing.camera);
+    labels.axes(&framing.camera, width - 4.2 * unit, height - 3.2 * unit);
     draw_over(&mut pixmap, &labels.svg(), 1.0)?;
     Ok(Picture { pixmap })
 }
 
-/// Draws moments side by side with the same camera; `size` is of the whole, or one is chosen to fit.
-pub fn draw_strip(
-    subject: &Subject,
-    moments: &[Moment],
-    framing: &Framing,
-    size: Option<Size>,
-) -> Result<Picture, DrawError> {
-    let count = moments.len() as u32;
-    if count == 0 {
-        return Err(DrawError::Empty("no frames"));
-    }
-    let aspect = framing.camera.aspect().clamp(0.4, 2.5);
-    let columns = columns(count, aspect);
-    let rows = count.div_ceil(columns);
-    let size = size.unwrap_or_else(|| {
-        let panel = 1600.0 / f64::from(columns.max(3));
-        let height = panel / aspect * f64::from(rows) + 120.0;
-        Size {
-            width: (panel * f64::from(columns)) as u32,
-            height: (height as u32).min(LARGEST_SIDE),
-        }
-    });
-    let size = size.check()?;
-    let unit = (f64::from(size.width) / 72.0).clamp(8.0, 22.0);
-    let (head, foot) = ((5.0 * unit) as u32, (4.0 * unit) as u32);
-    let cell = Size {
-        width: size.width / columns,
-        height: size.height.saturating_sub(head + foot) / rows,
-    }
-    .check()?;
-    let mut framing = framing.clone();
-    let (w, h) = (f64::from(cell.width), f64::from(cell.height));
-    framing.camera.fit(w, h, [0.05 * w, 1.8 * unit, 0.6 * unit]);
-    let mut sheet = Pixmap::new(size.width, size.height).ok_or(DrawError::Empty("no pixels"))?;
-    sheet.fill(resvg::tiny_skia::Color::WHITE);
-    let mut labels = Labels::new(f64::from(size.width), f64::from(size.height), unit);
-    labels.title(subject.title, subject.subtitle);
-    labels.scale_bar(&framing.camera, 0.35 * w, spacing(subject));
-    labels.axes(&framing.camera);
-    for (k, moment) in (0..).zip(moments) {
-        let (x, y) = (k % columns * cell.width, head + k / columns * cell.height);
-        let drawn = panel(subject, moment, &framing, cell)?;
-        copy(&drawn, &mut sheet, x, y);
-        let (x, y) = (f64::from(x), f64::from(y));
-        labels.stamp(x + w - 1.5 * unit, y + 1.4 * unit, &time(moment.time));
-        if k % columns > 0 {
-            labels.rule([x, y], [x, y + h]);
-        }
-        if k >= columns {
-            labels.rule([x, y], [x + w, y]);
-        }
-    }
-    draw_over(&mut sheet, &labels.svg(), 1.0)?;
-    Ok(Picture { pixmap: sheet })
-}
-
-/// Columns that make the whole about 16:10 without a ragged last row, if some number does.
-fn columns(count: u32, aspect: f64) -> u32 {
-    let badness = |c: u32| {
-        let rows = count.div_ceil(c);
-        let shape = (f64::from(c) * aspect / (f64::from(rows) * 1.6)).ln().abs();
-        shape + 3.0 * f64::from(c * rows - count) / f64::from(c)
-    };
-    (1..=count.min(8))
-        .min_by(|a, b| badness(*a).total_cmp(&badness(*b)))
-        .unwrap_or(1)
-}
-
-fn copy(from: &Pixmap, to: &mut Pixmap, x: u32, y: u32) {
-    let (row, stride) = (4 * from.width() as usize, 4 * to.width() as usize);
-    for (k, line) in from.data().chunks_exact(row).enumerate() {
-        let at = (y as usize + k) * stride + 4 * x as usize;
-        to.data_mut()[at..at + row].copy_from_slice(line);
-    }
-}
-
 /// Distance of the thread lines \[m\]: 10 mm on a 200 mm sheet, and a round number near 1/20 on others.
-fn spacing(subject: &Subject) -> Option<f64> {
+pub(super) fn spacing(subject: &Subject) -> Option<f64> {
     let mut bounds = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
     for m in subject.material {
         for k in 0..2 {
@@ -281,7 +205,7 @@ fn spacing(subject: &Subject) -> Option<f64> {
 }
 
 /// One frame without lettering.
-fn panel(
+pub(super) fn panel(
     subject: &Subject,
     moment: &Moment,
     framing: &Framing,
@@ -292,10 +216,9 @@ fn panel(
     let colours = light(&surfaces, &framing.camera);
     let mut canvas = Canvas::new(size.width as usize, size.height as usize);
     let spacing = spacing(subject);
+    // The sheet comes last: what it lies on, lines included, is under it.
     for (surface, colours) in surfaces.iter().zip(&colours) {
-        paint(&mut canvas, surface, colours, &framing.camera, spacing);
-    }
-    for surface in &surfaces {
+        paint(&mut canvas, surface, colours, framing, spacing);
         outline(&mut canvas, surface, &framing.camera);
     }
     let size = IntSize::from_wh(size.width, size.height).ok_or(DrawError::Empty("no pixels"))?;
@@ -333,13 +256,13 @@ fn surfaces(subject: &Subject, moment: &Moment, framing: &Framing) -> Vec<Surfac
     let (foot, radius) = (framing.foot(), 1.0 * diagonal);
     let cell = diagonal / 90.0;
     let mut all = vec![];
-    for obstacle in &moment.obstacles {
-        all.push(solid(obstacle, cell, foot, radius));
-    }
     let grounded = moment.obstacles.iter().any(|o| o.shape == Shape::Plane);
     if !grounded && framing.view.elevation > 5.0 {
         let below = foot - Vector3::z() * (2e-3 * diagonal);
         all.push(floor(below, radius, cell));
+    }
+    for obstacle in &moment.obstacles {
+        all.push(solid(obstacle, cell, foot, radius));
     }
     let material = match subject.material.len() == moment.positions.len() {
         true => subject.material,
@@ -358,12 +281,17 @@ fn paint(
     canvas: &mut Canvas,
     surface: &Surface,
     colours: &[super::picture_light::TwoSided],
-    camera: &Camera,
+    framing: &Framing,
     spacing: Option<f64>,
 ) {
+    // Cloth exactly on a face of an obstacle is seen, not the face.
+    let front = match surface.kind {
+        Kind::Cloth => Vector3::z() * (2e-4 * framing.diagonal()),
+        _ => Vector3::zeros(),
+    };
     for face in &surface.faces {
         let at = face.map(|v| v as usize);
-        let corners = at.map(|v| camera.project(&surface.points[v]));
+        let corners = at.map(|v| framing.camera.project(&surface.points[v]) + front);
         // The picture's y axis points down, so faces towards the viewer run clockwise in it.
         let turn = (corners[1] - corners[0])
             .xy()
@@ -387,6 +315,7 @@ fn outline(canvas: &mut Canvas, surface: &Surface, camera: &Camera) {
     };
     let lift = 1.2 / camera.scale();
     for line in &surface.lines {
-        canvas.line(line.map(|p| camera.project(&p)), width, lift, ink, 1.0);
+        let ends = line.map(|p| camera.project(&p));
+        canvas.line(ends, width, lift, ink);
     }
 }

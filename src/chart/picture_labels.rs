@@ -115,10 +115,9 @@ impl Labels {
         }
     }
 
-    /// The world axes at the bottom right.
-    pub fn axes(&mut self, camera: &Camera) {
+    /// The world axes, their origin at x, y.
+    pub fn axes(&mut self, camera: &Camera, x: f64, y: f64) {
         let u = self.unit;
-        let (x, y) = (self.width - 4.2 * u, self.height - 3.2 * u);
         let names = [("x", "#b8434a"), ("y", "#3f8a4f"), ("z", "#3b62b0")];
         for (k, (name, ink)) in names.into_iter().enumerate() {
             let mut axis = Vector3::zeros();

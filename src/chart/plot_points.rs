@@ -31,6 +31,9 @@ pub(super) struct Arranged {
     pub front: Vec<(f64, f64)>,
 }
 
+/// Where an error of exactly nothing is drawn on a logarithmic axis.
+const LEAST: f64 = 1e-9;
+
 pub(super) fn arrange(rows: &[&Row]) -> Arranged {
     let mut out = Arranged::default();
     for scheme in SCHEMES {
@@ -50,7 +53,7 @@ pub(super) fn arrange(rows: &[&Row]) -> Arranged {
 }
 
 fn point(row: &Row) -> Option<Point> {
-    let error = row.error().filter(|e| *e > 0.0 && e.is_finite())?;
+    let error = row.error().filter(|e| e.is_finite())?.max(LEAST);
     Some(Point {
         dt: row.dt,
         cpu: row.cpu_rate().max(1e-6),

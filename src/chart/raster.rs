@@ -92,27 +92,29 @@ impl Canvas {
         });
     }
 
-    /// Draws a line `width` pixels wide, `lift` metres in front of where it is.
-    pub fn line(&mut self, ends: [Vector3<f64>; 2], width: f64, lift: f64, ink: Rgb, alpha: f32) {
+    /// Draws a line `width` pixels wide on the surface it lies on; what is within `lift` metres in front of it
+    /// does not hide it.
+    pub fn line(&mut self, ends: [Vector3<f64>; 2], width: f64, lift: f64, ink: Rgb) {
         let [a, b] = ends.map(samples);
-        let along = (b - a).xy();
         let half = 0.5 * width * SUPER as f64;
-        let Some(along) = along.try_normalize(1e-9) else {
+        let Some(along) = (b - a).xy().try_normalize(1e-9) else {
             return;
         };
         let side = Vector3::new(-along.y, along.x, 0.0) * half;
         let cap = Vector3::new(along.x, along.y, 0.0) * (0.5 * half);
-        let raise = Vector3::new(0.0, 0.0, lift);
-        let [a, b] = [a - cap + raise, b + cap + raise];
+        let [a, b] = [a - cap, b + cap];
         let quad = [a - side, b - side, b + side, a + side];
+        let ink = ink.map(encode);
         let (depth, colour) = (&mut self.depth, &mut self.colour);
         for corners in [[quad[0], quad[1], quad[2]], [quad[0], quad[2], quad[3]]] {
             spans(&corners, self.width, self.height, |at, w| {
-                let z = (0..3).map(|k| w[k] * corners[k].z).sum::<f64>() as f32;
-                if z > depth[at] {
-                    depth[at] = z;
-                    let under = colour[at].map(|c| decode()[usize::from(c)]);
-                    colour[at] = [0, 1, 2].map(|k| encode(under[k] + alpha * (ink[k] - under[k])));
+                let z = (0..3).map(|k| w[k] * corners[k].z).sum::<f64>();
+                if (z + lift) as f32 > depth[at] {
+                    // A line is no surface: what lies on the same face covers it.
+                    if depth[at] == f32::NEG_INFINITY {
+                        depth[at] = z as f32;
+                    }
+                    colour[at] = ink;
                 }
             });
         }

@@ -156,7 +156,7 @@ fn caption(problem: &Problem, reference: &Reference, rows: &[Row]) -> Caption {
             triangles.max().unwrap_or(0),
             scene.method.tolerance,
         ),
-        error_over: format!("{over} ({:.4} mm)", length * 1e3),
+        error_over: format!("{over} ({} mm)", (length * 1e5).round() / 1e2),
         uncertainty: reference.uncertainty / length,
         source: reference.source.clone(),
     }

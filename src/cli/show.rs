@@ -148,7 +148,7 @@ fn material(scene: &Scene, first: &Frame) -> Vec<Vector2<f64>> {
     let turn = UnitQuaternion::from_euler_angles(roll, pitch, yaw).inverse();
     let local = |p: &Vector3<f64>| turn * (p - Vector3::from(sheet.position));
     let points: Vec<_> = first.positions.iter().map(local).collect();
-    let flat = 2.0 * scene.perturbation.amplitude + 1e-6;
+    let flat = scene.perturbation.amplitude + 1e-3;
     if points.iter().any(|p| p.z.abs() > flat) {
         return vec![];
     }
