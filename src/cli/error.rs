@@ -1,10 +1,12 @@
 //! Why a verb did not do its job.
 
 use std::io;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use crate::node::NodeError;
 use crate::scene::SceneError;
+use crate::sim::Diverged;
 
 /// A failure of a verb; its kind decides the exit code.
 #[derive(Debug, thiserror::Error)]
@@ -15,6 +17,14 @@ pub enum CliError {
     /// A refused option or override.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// A run that stopped at a step it could not take.
+    #[error("{diverged}; recorded up to there in {}", recording.display())]
+    Diverged {
+        /// Step, time, place and advice.
+        diverged: Diverged,
+        /// Where the last good state is.
+        recording: PathBuf,
+    },
     /// A run or a file that failed.
     #[error(transparent)]
     Node(#[from] NodeError),
@@ -28,7 +38,9 @@ impl CliError {
     pub fn exit_code(&self) -> ExitCode {
         match self {
             CliError::Input(_) | CliError::Scene(_) => ExitCode::from(2),
-            CliError::Node(_) | CliError::Output(_) => ExitCode::from(1),
+            CliError::Diverged { .. } | CliError::Node(_) | CliError::Output(_) => {
+                ExitCode::from(1)
+            }
         }
     }
 }

@@ -10,7 +10,7 @@ use signal_hook::flag;
 
 use super::progress::Bar;
 use super::{CliError, output, source, summary};
-use crate::node::{self, RunOptions};
+use crate::node::{self, NodeError, RunOptions};
 use crate::scene::{Override, Scene, Warning};
 
 /// Arguments of `toile run`.
@@ -60,19 +60,25 @@ struct Job {
 impl RunArgs {
     pub(super) fn run(&self) -> Result<(), CliError> {
         let job = self.check()?;
-        for warning in &job.warnings {
-            eprintln!("warning: {warning}");
-        }
         let options = RunOptions {
             output: Some(job.output.clone()),
             threads: job.threads,
             stop: stop_flag()?,
             ..RunOptions::default()
         };
+        for warning in &job.warnings {
+            eprintln!("warning: {warning}");
+        }
         let bar = Bar::new(&job.scene.name);
         let result = node::run(&job.scene, options, &mut |progress| bar.show(progress));
         drop(bar);
-        let summary = result?;
+        let summary = result.map_err(|error| match error {
+            NodeError::Diverged(diverged) => CliError::Diverged {
+                diverged,
+                recording: job.output.clone(),
+            },
+            other => other.into(),
+        })?;
         match self.json {
             true => output::print_json(&summary::json(&job.scene, &job.warnings, &summary)),
             false => output::print(&summary::text(&job.scene, &summary)),

@@ -5,6 +5,7 @@ use serde_json::{Map, Value, json};
 use super::output;
 use crate::node::Summary;
 use crate::scene::{Scene, Warning};
+use crate::sim::Energies;
 
 /// The closing summary on a terminal.
 pub(super) fn text(scene: &Scene, run: &Summary) -> String {
@@ -19,7 +20,8 @@ pub(super) fn text(scene: &Scene, run: &Summary) -> String {
                 work.iterations, work.factorisations, work.substeps, work.rejected
             ),
         ),
-        ("energies [mJ]", energies(run)),
+        ("energies [mJ]", stored(&run.energies)),
+        ("exchanged [mJ]", exchanged(&run.energies)),
         (
             "largest strain",
             format!("{:.3} %", 1e2 * run.largest_strain),
@@ -49,12 +51,10 @@ pub(super) fn text(scene: &Scene, run: &Summary) -> String {
         .into_iter()
         .map(|(name, value)| vec![format!("  {name}"), value])
         .collect();
+    let (fabric, method) = (&scene.fabric.name, scene.method.scheme.name());
     let head = format!(
-        "{}: {} with {}, dt {} s\n",
-        scene.name,
-        scene.fabric.name,
-        scene.method.scheme.name(),
-        scene.method.dt
+        "{}: {fabric} with {method}, dt {} s\n",
+        scene.name, scene.method.dt
     );
     head + &output::table(&rows) + &next
 }
@@ -71,32 +71,32 @@ fn simulated(scene: &Scene, run: &Summary) -> String {
     format!("{:.4} s in {} steps{end}, {converged}", run.time, run.steps)
 }
 
-fn energies(run: &Summary) -> String {
-    let energies = &run.energies;
-    let now = [
+/// Energies by name, in millijoules.
+fn millijoules(terms: &[(&str, f64)]) -> String {
+    let terms: Vec<_> = terms
+        .iter()
+        .map(|(name, joules)| format!("{name} {:.3}", 1e3 * joules))
+        .collect();
+    terms.join(", ")
+}
+
+fn stored(energies: &Energies) -> String {
+    millijoules(&[
         ("kinetic", energies.kinetic),
         ("stretch", energies.stretch),
         ("bend", energies.bend),
         ("gravity", energies.gravity),
         ("contact", energies.contact),
-    ];
-    let so_far = [
+    ])
+}
+
+fn exchanged(energies: &Energies) -> String {
+    let taken = millijoules(&[
         ("damping", energies.damping),
         ("friction", energies.friction),
-    ];
-    let list = |terms: &[(&str, f64)]| {
-        let terms: Vec<_> = terms
-            .iter()
-            .map(|(name, joules)| format!("{name} {:.3}", 1e3 * joules))
-            .collect();
-        terms.join(", ")
-    };
-    format!(
-        "{}; taken out by {}; put in by supports {:.3}",
-        list(&now),
-        list(&so_far),
-        1e3 * energies.supports
-    )
+    ]);
+    let put = millijoules(&[("supports", energies.supports)]);
+    format!("out by {taken}; in by {put}")
 }
 
 /// The same as a JSON object, SI units throughout.

@@ -3,10 +3,11 @@
 use super::FabricError;
 use super::check::refuse_key;
 use super::error::{Problem, SceneError};
-use super::outline::Outline;
+use super::outline::{contains, equilateral_edge, half_extent};
 use super::quantity::short;
 use super::spec::{Region, Scene};
 use super::tree::Node;
+use crate::sheet::Outline;
 
 /// A conflict: the key to blame and why.
 type Conflict = (String, Problem);
@@ -52,14 +53,14 @@ fn mesh_size(scene: &Scene) -> Result<(), Conflict> {
         (Some(_), None) => Ok(()),
         (None, Some(edge)) => {
             let (finest, coarsest) = (
-                sheet.outline.edge_for(MOST_TRIANGLES),
-                sheet.outline.edge_for(1.0),
+                equilateral_edge(&sheet.outline, MOST_TRIANGLES),
+                equilateral_edge(&sheet.outline, 2.0),
             );
             if (finest..=coarsest).contains(&edge) {
                 return Ok(());
             }
             let expected = format!(
-                "from {} to {} m for this outline (2 million triangles to 1)",
+                "from {} to {} m for this outline (2 million triangles to 2)",
                 short(finest),
                 short(coarsest)
             );
@@ -97,7 +98,7 @@ fn supports(scene: &Scene) -> Result<(), Conflict> {
                 }
             }
             Region::Box { min, max } => {
-                let half = outline.half_extent();
+                let half = half_extent(outline);
                 if !(0..2).all(|i| min[i] <= max[i]) {
                     return conflict(key(".min"), "must not exceed max in x or y");
                 }
@@ -105,7 +106,7 @@ fn supports(scene: &Scene) -> Result<(), Conflict> {
                     return conflict(key(""), "the box lies outside the sheet");
                 }
             }
-            Region::Point { at } if !outline.contains(at) => {
+            Region::Point { at } if !contains(outline, at) => {
                 return conflict(key(".at"), "the point lies outside the sheet");
             }
             Region::Point { .. } | Region::Boundary | Region::Disc { .. } => {}
@@ -116,7 +117,7 @@ fn supports(scene: &Scene) -> Result<(), Conflict> {
 
 fn observations(scene: &Scene) -> Result<(), Conflict> {
     for (name, observe) in &scene.observe {
-        let outside = |point: &&[f64; 2]| !scene.sheet.outline.contains(**point);
+        let outside = |point: &&[f64; 2]| !contains(&scene.sheet.outline, **point);
         if let Some([x, y]) = observe.points.iter().find(outside) {
             return conflict(
                 format!("observe.{name}.points"),

@@ -84,7 +84,7 @@ pub(super) const SCENE: &[Key] = &[
 
 const SHEET: &[Key] = &[
     need("outline", Tagged(OUTLINE)),
-    may("triangles", Count(1, 2_000_000)),
+    may("triangles", Count(2, 2_000_000)),
     may("edge", Number(range(1e-6, 10.0, "m"))),
     may("jitter", Number(range(0.0, 0.3, "edge lengths"))),
     may("mesh_seed", SEED),
@@ -175,6 +175,7 @@ const METHOD: &[Key] = &[
     may("dt", Number(range(1e-7, 1.0, "s"))),
     may("tolerance", Number(range(1e-14, 0.1, "of the weight"))),
     may("max_iterations", Count(1, 10_000)),
+    may("substep", Number(range(1e-9, 1.0, "s"))),
     may("rho_infinity", Number(range(0.0, 1.0, ""))),
 ];
 

@@ -60,6 +60,8 @@ pub struct MethodSpec {
     pub tolerance: f64,
     /// Newton iterations before a step is retried smaller.
     pub max_iterations: usize,
+    /// Substep of `central-difference` \[s\]; left out, it is 0.9 of the stable limit.
+    pub substep: Option<f64>,
     /// Spectral radius of `generalised-alpha` at infinite frequency, 0 to 1.
     pub rho_infinity: f64,
 }
@@ -71,6 +73,7 @@ impl Default for MethodSpec {
             dt: 5e-3,
             tolerance: 1e-4,
             max_iterations: 40,
+            substep: None,
             rho_infinity: 0.8,
         }
     }

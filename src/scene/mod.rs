@@ -21,8 +21,9 @@ mod warning;
 pub use error::{Origin, Problem, SceneError};
 pub use fabric::FabricError;
 pub use method::{MethodSpec, OutputSpec, Scheme};
-pub use outline::Outline;
 pub use overrides::Override;
 pub use parse::parse;
 pub use spec::*;
 pub use warning::Warning;
+
+pub use crate::sheet::Outline;

@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::method::{MethodSpec, OutputSpec};
-use super::outline::Outline;
+use super::outline::equilateral_edge;
 use crate::contact::Shape;
 use crate::fabric::{PoissonCoupling, TwistRigidity};
+use crate::sheet::Outline;
 
 /// A scene as written. [`Scene::check`] has passed on every one that reaches the simulation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -95,12 +96,12 @@ pub struct SheetSpec {
 }
 
 impl SheetSpec {
-    /// Edge length that the scene asks for, directly or by the number of triangles \[m\].
+    /// Edge length that the scene asks for, directly or about by the number of triangles \[m\].
     pub fn edge_length(&self) -> f64 {
         match (self.edge, self.triangles) {
             (Some(edge), _) => edge,
-            (None, Some(triangles)) => self.outline.edge_for(triangles as f64),
-            (None, None) => self.outline.edge_for(1.0),
+            (None, Some(triangles)) => equilateral_edge(&self.outline, triangles as f64),
+            (None, None) => equilateral_edge(&self.outline, 1.0),
         }
     }
 }

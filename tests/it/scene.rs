@@ -179,6 +179,7 @@ scheme = "generalised-alpha"
 dt = 1e-3
 tolerance = 1e-5
 max_iterations = 20
+substep = 1e-5
 rho_infinity = 0.5
 [output]
 rate = 50
