@@ -12,6 +12,8 @@ mod picture_light;
 mod picture_solids;
 mod picture_strip;
 pub mod plot;
+mod plot_frame;
+mod plot_marks;
 mod plot_points;
 mod raster;
 pub mod reference;

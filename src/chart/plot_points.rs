@@ -1,6 +1,6 @@
 //! Rows of one scene arranged for drawing: curves, failures, front, ranges.
 
-use super::rows::{Asked, Outcome, Row, SCHEMES};
+use super::rows::{Asked, Outcome, Row};
 use crate::scene::Scheme;
 
 /// A run that ended, in the coordinates of both panels.
@@ -36,7 +36,7 @@ const LEAST: f64 = 1e-9;
 
 pub(super) fn arrange(rows: &[&Row]) -> Arranged {
     let mut out = Arranged::default();
-    for scheme in SCHEMES {
+    for scheme in Scheme::ALL {
         let mut points: Vec<Point> = rows
             .iter()
             .filter(|r| r.key.scheme == scheme)

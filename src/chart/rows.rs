@@ -2,24 +2,6 @@
 
 use crate::scene::Scheme;
 
-/// Every scheme, in the order of the legend.
-pub const SCHEMES: [Scheme; 4] = [
-    Scheme::BackwardEuler,
-    Scheme::Bdf2,
-    Scheme::GeneralisedAlpha,
-    Scheme::CentralDifference,
-];
-
-/// The name of a scheme in scenes, CSV and legends.
-pub fn scheme_name(scheme: Scheme) -> &'static str {
-    match scheme {
-        Scheme::BackwardEuler => "backward-euler",
-        Scheme::Bdf2 => "bdf2",
-        Scheme::GeneralisedAlpha => "generalised-alpha",
-        Scheme::CentralDifference => "central-difference",
-    }
-}
-
 /// The step that a run asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Asked {
@@ -168,7 +150,7 @@ fn fields(row: &Row) -> [String; 19] {
         key.scene.clone(),
         key.fabric.clone(),
         key.mesh.clone(),
-        scheme_name(key.scheme).to_string(),
+        key.scheme.name().to_string(),
         key.asked.text(),
         row.triangles.to_string(),
         format!("{:e}", row.dt),
@@ -219,9 +201,9 @@ fn row(line: &str, number: usize) -> Result<Row, RowsError> {
         },
         _ => return Err(fields.refuse("status")),
     };
-    let scheme = SCHEMES
+    let scheme = Scheme::ALL
         .into_iter()
-        .find(|s| scheme_name(*s) == fields.text("scheme"));
+        .find(|s| s.name() == fields.text("scheme"));
     Ok(Row {
         key: Key {
             scene: fields.text("scene").to_string(),

@@ -6,9 +6,9 @@
 use nalgebra::{Vector2, Vector3};
 
 use super::reference::{Reference, ReferenceError};
-use super::rows::{Asked, Key, Outcome, Row, SCHEMES, scheme_name};
-use crate::scene::{MethodSpec, Outline, Perturbation, Scene, Scheme};
-use crate::sheet::Mesh;
+use super::rows::{Asked, Key, Outcome, Row};
+use crate::scene::{MethodSpec, Perturbation, Scene, Scheme};
+use crate::sheet::{Mesh, Outline};
 use crate::sim::{Simulation, StepReport};
 
 /// A scene with an observed point, the times at which it is compared, and the steps to try.
@@ -71,15 +71,17 @@ impl Problem {
         scene.damping = 0.0;
         scene.gravity = [0.0, 0.0, -9.80665];
         scene.perturbation = Perturbation::default();
-        let [x, y] = half_extent(&scene.sheet.outline);
+        let Outline::Rectangle { length, width } = scene.sheet.outline else {
+            return Err(ChartError::NoReference(scene.name));
+        };
         Ok(Self {
             scene,
             points: [-1.0, -0.5, 0.0, 0.5, 1.0]
-                .map(|s| Vector2::new(x, s * y))
+                .map(|s| 0.5 * Vector2::new(length, s * width))
                 .to_vec(),
             reference: Some(Reference::strip_release()?),
             times: vec![],
-            length: Some(2.0 * x),
+            length: Some(length),
             steps: vec![10e-3, 5e-3, 2e-3, 1e-3, 0.5e-3],
         })
     }
@@ -132,7 +134,7 @@ impl Problem {
     /// Keys of every run, in the order to run them: the cheap ones first.
     pub fn plan(&self) -> Vec<Key> {
         let mut keys = vec![];
-        for scheme in SCHEMES {
+        for scheme in Scheme::ALL {
             match scheme {
                 Scheme::CentralDifference => {
                     keys.extend([1, 2].map(|part| self.key(scheme, Asked::Limit(part))));
@@ -204,15 +206,16 @@ impl Problem {
     /// Steps through the run of a key and looks at the observed point at the given times.
     fn course(&self, key: &Key, times: &[f64], cpu: &mut CpuClock, watch: &mut Watch) -> Course {
         let mut course = Course::default();
-        let dt = match self.step_of(key) {
-            Ok(dt) => dt,
+        let method = match self.method_of(key) {
+            Ok(method) => method,
             Err(message) => {
                 course.died = Some((0.0, message));
                 return course;
             }
         };
+        let dt = method.dt;
         course.asked_dt = dt;
-        let mut simulation = match start(&self.with_method(key.scheme, dt)) {
+        let mut simulation = match start(&self.with(method)) {
             Ok(simulation) => simulation,
             Err(message) => {
                 course.died = Some((0.0, message));
@@ -226,7 +229,7 @@ impl Problem {
         let mut times = times.iter().copied().peekable();
         for step in 1..=(last / dt).round() as u64 {
             let before = cpu();
-            let taken = simulation.step().map(StepReport::clone);
+            let taken = simulation.step().cloned();
             course.cpu += cpu() - before;
             let time = step as f64 * dt;
             let here = probe.read(&simulation.state().positions) - origin;
@@ -254,26 +257,31 @@ impl Problem {
         course
     }
 
-    /// The step to ask for; for a share of the explicit limit, from the substeps of one outer step.
-    fn step_of(&self, key: &Key) -> Result<f64, String> {
+    /// The method of a key; a share of the explicit limit is taken of the substep that the scheme chooses.
+    fn method_of(&self, key: &Key) -> Result<MethodSpec, String> {
+        let method = MethodSpec {
+            scheme: key.scheme,
+            substep: None,
+            ..self.scene.method
+        };
         let part = match key.asked {
-            Asked::Step(dt) => return Ok(dt),
+            Asked::Step(dt) => return Ok(MethodSpec { dt, ..method }),
             Asked::Limit(part) => part,
         };
-        let outer = self.steps.iter().copied().fold(f64::INFINITY, f64::min);
-        let mut simulation = start(&self.with_method(key.scheme, outer))?;
+        let dt = self.steps.iter().copied().fold(f64::INFINITY, f64::min);
+        let outer = MethodSpec { dt, ..method };
+        let mut simulation = start(&self.with(outer))?;
         let report = simulation.step().map_err(|d| d.to_string())?;
-        Ok(outer / (report.work.substeps.max(1) * u64::from(part)) as f64)
+        let substep = dt / (report.work.substeps.max(1) * u64::from(part)) as f64;
+        let substep = (part > 1).then_some(substep);
+        Ok(MethodSpec { substep, ..outer })
     }
 
-    fn with_method(&self, scheme: Scheme, dt: f64) -> Scene {
-        let mut scene = self.scene.clone();
-        scene.method = MethodSpec {
-            scheme,
-            dt,
-            ..scene.method
-        };
-        scene
+    fn with(&self, method: MethodSpec) -> Scene {
+        Scene {
+            method,
+            ..self.scene.clone()
+        }
     }
 }
 
@@ -338,14 +346,6 @@ fn barycentric(mesh: &Mesh, face: &[u32; 3], p: &Vector2<f64>) -> [f64; 3] {
     [u, v, 1.0 - u - v]
 }
 
-fn half_extent(outline: &Outline) -> [f64; 2] {
-    match *outline {
-        Outline::Rectangle { length, width } => [0.5 * length, 0.5 * width],
-        Outline::Disc { diameter } => [0.5 * diameter; 2],
-        Outline::Annulus { outer, .. } => [0.5 * outer; 2],
-    }
-}
-
 /// What a progress bar calls a run.
 pub fn label(key: &Key) -> String {
     let step = match key.asked {
@@ -353,5 +353,5 @@ pub fn label(key: &Key) -> String {
         Asked::Limit(1) => "at its limit".to_string(),
         Asked::Limit(part) => format!("at 1/{part} of its limit"),
     };
-    format!("{} {} {step}", key.scene, scheme_name(key.scheme))
+    format!("{} {} {step}", key.scene, key.scheme.name())
 }

@@ -80,7 +80,7 @@ impl ShowArgs {
             "{} · {} triangles · {} {} ms",
             scene.fabric.name,
             thousands(faces.len()),
-            chart::rows::scheme_name(scene.method.scheme),
+            scene.method.scheme.name(),
             trim(scene.method.dt * 1e3),
         );
         let material = material(scene, &recording.frame(0)?);
@@ -204,7 +204,7 @@ fn thousands(number: usize) -> String {
     let digits = number.to_string();
     let mut out = String::new();
     for (k, digit) in digits.chars().enumerate() {
-        if k > 0 && (digits.len() - k) % 3 == 0 {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
             out.push(',');
         }
         out.push(digit);

@@ -1,5 +1,6 @@
 //! The integration tests: one binary, a module per subject.
 
+mod charts;
 mod cli;
 mod messages;
 mod pictures;

@@ -1,251 +1,301 @@
-//! Pictures.
-use nalgebra::{Vector2, Vector3};
-use toile::chart::*;
-use toile::contact::*;
+//! Pictures: what is in front is seen, what is behind is not, equal input gives equal bytes.
 
-fn grid(
-    n: usize,
-    size: f64,
-    z: impl Fn(f64, f64) -> Vector3<f64>,
-) -> (Vec<[u32; 3]>, Vec<Vector2<f64>>, Vec<Vector3<f64>>) {
-    let mut m = vec![];
-    for i in 0..n {
-        for j in 0..n {
-            m.push(Vector2::new(
-                size * (i as f64 / (n - 1) as f64 - 0.5),
-                size * (j as f64 / (n - 1) as f64 - 0.5),
-            ));
-        }
-    }
-    let mut f = vec![];
-    for i in 0..n - 1 {
-        for j in 0..n - 1 {
-            let (a, b, c, d) = (
-                (i * n + j) as u32,
-                ((i + 1) * n + j) as u32,
-                ((i + 1) * n + j + 1) as u32,
-                (i * n + j + 1) as u32,
-            );
-            f.push([a, b, c]);
-            f.push([a, c, d]);
-        }
-    }
-    let p = m.iter().map(|m| z(m.x, m.y)).collect();
-    (f, m, p)
+use nalgebra::{Vector2, Vector3};
+use toile::chart::{DrawError, Framing, Moment, Picture, Size, Subject, View, draw, draw_strip};
+use toile::contact::{Obstacle, Pose, Shape, Velocity};
+
+const SMALL: Size = Size {
+    width: 320,
+    height: 240,
+};
+
+/// A square sheet of 200 mm with n x n vertices.
+struct Sheet {
+    faces: Vec<[u32; 3]>,
+    material: Vec<Vector2<f64>>,
 }
 
-#[test]
-fn gallery() {
-    let drape = |t: f64| {
-        move |x: f64, y: f64| {
-            // a conical drape with 6 folds over a 100 mm box
-            let r = x.hypot(y);
-            let a = y.atan2(x);
-            let r0 = 0.055;
-            if r < r0 {
-                return Vector3::new(x, y, 0.0005);
-            }
-            let s = r - r0;
-            let k = t;
-            let bend = (s / 0.03).min(1.0) * 1.25 * k;
-            let fold = (6.0 * a + 0.5).cos() * 0.35 * k * (s / 0.05).min(1.0);
-            let th = bend * (1.0 + fold);
-            let rr = r0 + s * th.cos();
-            Vector3::new(rr * a.cos(), rr * a.sin(), 0.0005 - s * th.sin())
+impl Sheet {
+    fn new(n: u32) -> Self {
+        let at = |k: u32| 0.2 * (f64::from(k) / f64::from(n - 1) - 0.5);
+        let corners = (0..n - 1).flat_map(|i| (0..n - 1).map(move |j| i * n + j));
+        Self {
+            faces: corners
+                .flat_map(|a| [[a, a + n, a + n + 1], [a, a + n + 1, a + 1]])
+                .collect(),
+            material: (0..n)
+                .flat_map(|i| (0..n).map(move |j| Vector2::new(at(i), at(j))))
+                .collect(),
         }
-    };
-    let table = |shape: Shape, z: f64| {
-        vec![Obstacle {
-            name: "table".into(),
-            shape,
-            pose: Pose::translation(0.0, 0.0, z),
-            velocity: Velocity::default(),
-            friction: 0.3,
-        }]
-    };
-    let n = 60;
-    let (faces, material, positions) = grid(n, 0.2, drape(1.0));
-    let subject = Subject {
-        title: "drape-table",
-        subtitle: "F1 · 6,962 triangles · 3,600 vertices",
-        faces: &faces,
-        material: &material,
-    };
-    let m = Moment {
-        time: 1.0,
-        positions,
-        obstacles: table(
-            Shape::Cylinder {
-                radius: 0.05,
-                length: 0.07,
-            },
-            -0.035,
-        ),
-    };
-    let mut framing = Framing::new(View::default());
-    framing.include(&m);
-    let t = std::time::Instant::now();
-    let p = draw(&subject, &m, &framing, Size::default()).unwrap();
-    eprintln!("{:?}", t.elapsed());
-    std::fs::write("/tmp/shot1.png", p.png().unwrap()).unwrap();
-    let moments: Vec<_> = (0..8)
-        .map(|k| Moment {
-            time: k as f64 / 7.0,
-            positions: grid(n, 0.2, drape(k as f64 / 7.0)).2,
-            obstacles: table(
-                Shape::Box {
-                    size: [0.1, 0.1, 0.02],
-                },
-                -0.01,
-            ),
-        })
-        .collect();
-    let mut framing = Framing::new(View::default());
-    moments.iter().for_each(|m| framing.include(m));
-    let p = draw_strip(&subject, &moments, &framing, None).unwrap();
-    std::fs::write("/tmp/strip1.png", p.png().unwrap()).unwrap();
-
-    let mut obs = vec![];
-    for (k, shape) in [
-        Shape::Box {
-            size: [0.04, 0.06, 0.05],
-        },
-        Shape::Sphere { radius: 0.03 },
-        Shape::Disc { radius: 0.03 },
-        Shape::Cylinder {
-            radius: 0.02,
-            length: 0.05,
-        },
-        Shape::Capsule {
-            radius: 0.015,
-            length: 0.03,
-        },
-    ]
-    .into_iter()
-    .enumerate()
-    {
-        obs.push(Obstacle {
-            name: format!("o{k}"),
-            shape,
-            pose: Pose::new(
-                Vector3::new(0.08 * k as f64 - 0.16, -0.09, 0.03),
-                if k == 4 {
-                    Vector3::new(0.0, 0.8, 0.3)
-                } else {
-                    Vector3::zeros()
-                },
-            ),
-            velocity: Velocity::default(),
-            friction: 0.0,
-        });
     }
-    obs.push(Obstacle {
-        name: "ground".into(),
-        shape: Shape::Plane,
-        pose: Pose::identity(),
+
+    fn subject(&self) -> Subject<'_> {
+        Subject {
+            title: "a sheet & <more>",
+            subtitle: "",
+            faces: &self.faces,
+            material: &[],
+        }
+    }
+
+    /// The sheet mapped into the world.
+    fn moment(&self, to: impl Fn(f64, f64) -> Vector3<f64>, obstacles: &[Obstacle]) -> Moment {
+        Moment {
+            time: 0.25,
+            positions: self.material.iter().map(|m| to(m.x, m.y)).collect(),
+            obstacles: obstacles.to_vec(),
+        }
+    }
+}
+
+fn obstacle(shape: Shape, at: [f64; 3]) -> Obstacle {
+    Obstacle {
+        name: "it".into(),
+        shape,
+        pose: Pose::translation(at[0], at[1], at[2]),
         velocity: Velocity::default(),
         friction: 0.0,
-    });
-    let (faces, material, positions) = grid(12, 0.2, |x, y| {
-        Vector3::new(x, 0.06 + 0.02 * (20.0 * x).sin(), 0.1 + y)
-    });
-    let subject = Subject {
-        title: "shapes",
-        subtitle: "all six",
-        faces: &faces,
-        material: &material,
-    };
-    let m = Moment {
-        time: 0.25,
-        positions,
-        obstacles: obs,
-    };
-    let mut framing = Framing::new(View::default());
-    framing.include(&m);
-    let p = draw(&subject, &m, &framing, Size::default()).unwrap();
-    std::fs::write("/tmp/shapes.png", p.png().unwrap()).unwrap();
+    }
 }
 
-fn synthetic() -> Vec<rows::Row> {
-    use toile::chart::rows::*;
-    use toile::scene::Scheme;
-    let mut all = vec![];
-    for (scheme, order, c, cost) in [
-        (Scheme::BackwardEuler, 1.0, 30.0, 1.0),
-        (Scheme::Bdf2, 2.0, 1500.0, 1.05),
-        (Scheme::GeneralisedAlpha, 2.0, 400.0, 1.15),
-    ] {
-        for dt in [1e-2, 5e-3, 2e-3, 1e-3, 5e-4] {
-            let dead = scheme == Scheme::GeneralisedAlpha && dt > 4e-3;
-            let steps = (0.3f64 / dt) as u64;
-            all.push(Row {
-                key: Key {
-                    scene: "strip-release".into(),
-                    fabric: "F1".into(),
-                    mesh: "triangles=600".into(),
-                    scheme,
-                    asked: Asked::Step(dt),
-                },
-                triangles: 604,
-                dt,
-                tolerance: 1e-6,
-                outcome: if dead {
-                    Outcome::Died {
-                        time: 0.08,
-                        message: "step 8 at 0.08 s did not converge: \"a\", b".into(),
-                    }
-                } else {
-                    Outcome::Done {
-                        error: c * dt.powf(order) + 2.3e-3,
-                    }
-                },
-                cpu: cost * 0.3 * (7e-3 / dt).powf(0.8),
-                simulated: if dead { 0.08 } else { 0.3 },
-                steps,
-                substeps: steps,
-                rejected: 0,
-                iterations: 4 * steps,
-                factorisations: 4 * steps,
-            });
+/// Looks along -y, horizontally: no imagined floor, the picture is x against z.
+fn from_the_front() -> View {
+    View {
+        azimuth: -90.0,
+        elevation: 0.0,
+    }
+}
+
+fn picture(sheet: &Sheet, moment: &Moment, view: View) -> Picture {
+    let mut framing = Framing::new(view);
+    framing.include(moment);
+    draw(&sheet.subject(), moment, &framing, SMALL).unwrap()
+}
+
+fn centre(picture: &Picture) -> [u8; 3] {
+    picture.pixel(SMALL.width / 2, SMALL.height / 2)
+}
+
+/// Blue outweighs red on the front of the cloth, red outweighs blue on its back, obstacles are grey.
+#[derive(Debug, PartialEq)]
+enum Seen {
+    Paper,
+    Front,
+    Back,
+    Grey,
+}
+
+fn seen([r, g, b]: [u8; 3]) -> Seen {
+    match (i32::from(b) - i32::from(r), r.min(g).min(b)) {
+        (_, 250..) => Seen::Paper,
+        (difference, _) if difference > 25 => Seen::Front,
+        (difference, _) if difference < -25 => Seen::Back,
+        _ => Seen::Grey,
+    }
+}
+
+/// The middle of a curtain, seen from the front and from behind, and the paper beside it.
+#[test]
+fn verify_cloth_in_the_middle_and_paper_outside() {
+    let sheet = Sheet::new(9);
+    let curtain = sheet.moment(|x, y| Vector3::new(x, 0.0, y), &[]);
+    let front = picture(&sheet, &curtain, from_the_front());
+    assert_eq!(seen(centre(&front)), Seen::Front);
+    assert_eq!(seen(front.pixel(20, SMALL.height / 2)), Seen::Paper);
+    let behind = View {
+        azimuth: 90.0,
+        elevation: 0.0,
+    };
+    assert_eq!(seen(centre(&picture(&sheet, &curtain, behind))), Seen::Back);
+}
+
+/// A curtain is hidden by a box before it and hides a box behind it, also one half a millimetre away.
+#[test]
+fn verify_what_is_in_front_hides_what_is_behind() {
+    let sheet = Sheet::new(9);
+    let block = Shape::Box {
+        size: [0.1, 0.02, 0.1],
+    };
+    for gap in [0.05, 5e-4] {
+        for (y, expected) in [(-0.01 - gap, Seen::Grey), (0.01 + gap, Seen::Front)] {
+            let block = obstacle(block.clone(), [0.0, y, 0.0]);
+            let curtain = sheet.moment(|x, y| Vector3::new(x, 0.0, y), &[block]);
+            let drawn = picture(&sheet, &curtain, from_the_front());
+            assert_eq!(seen(centre(&drawn)), expected, "box at y = {y}");
+            // 80 mm to the side there is only cloth.
+            let scale = f64::from(centre_scale(&sheet, &curtain));
+            let side = SMALL.width / 2 + (0.08 * scale) as u32;
+            assert_eq!(seen(drawn.pixel(side, SMALL.height / 2)), Seen::Front);
         }
     }
-    for part in [1, 2] {
-        let dt = 1.6e-5 / part as f64;
-        all.push(Row {
-            key: Key {
-                scene: "strip-release".into(),
-                fabric: "F1".into(),
-                mesh: "triangles=600".into(),
-                scheme: Scheme::CentralDifference,
-                asked: Asked::Limit(part),
-            },
-            triangles: 604,
-            dt,
-            tolerance: 1e-6,
-            outcome: Outcome::Done { error: 2.25e-3 },
-            cpu: 1.3 * part as f64,
-            simulated: 0.3,
-            steps: 600,
-            substeps: 18750 * part as u64,
-            rejected: 0,
-            iterations: 0,
-            factorisations: 0,
-        });
+}
+
+/// Pixels per metre, from the width of the cloth in the middle row.
+fn centre_scale(sheet: &Sheet, moment: &Moment) -> u32 {
+    let bare = Moment {
+        obstacles: vec![],
+        ..moment.clone()
+    };
+    let drawn = picture(sheet, &bare, from_the_front());
+    let row = (0..SMALL.width).map(|x| drawn.pixel(x, SMALL.height / 2));
+    (row.filter(|p| seen(*p) != Seen::Paper).count() as f64 / 0.2) as u32
+}
+
+/// A box just under the cloth shows neither its faces nor its edges through it.
+#[test]
+fn verify_a_table_does_not_show_through_the_cloth_on_it() {
+    let sheet = Sheet::new(9);
+    let table = obstacle(
+        Shape::Box {
+            size: [0.1, 0.1, 0.1],
+        },
+        [0.0, 0.0, -0.05],
+    );
+    let from_above = View {
+        azimuth: -90.0,
+        elevation: 90.0,
+    };
+    for height in [0.0, 5e-5, 3e-4] {
+        let laid = sheet.moment(
+            |x, y| Vector3::new(x, y, height),
+            std::slice::from_ref(&table),
+        );
+        let drawn = picture(&sheet, &laid, from_above);
+        let (x, y) = (SMALL.width / 2, SMALL.height / 2);
+        for step in 0..70 {
+            let pixel = drawn.pixel(x + step, y);
+            assert_eq!(
+                seen(pixel),
+                Seen::Front,
+                "{step} px from the centre at height {height}"
+            );
+            assert!(
+                pixel[2] > 150,
+                "a line at {step} px, height {height}: {pixel:?}"
+            );
+        }
     }
-    all
+}
+
+/// Every shape leaves its colour where it is.
+#[test]
+fn verify_every_shape_is_drawn() {
+    let sheet = Sheet::new(3);
+    let shapes = [
+        Shape::Box { size: [0.1; 3] },
+        Shape::Sphere { radius: 0.05 },
+        Shape::Disc { radius: 0.05 },
+        Shape::Cylinder {
+            radius: 0.05,
+            length: 0.1,
+        },
+        Shape::Capsule {
+            radius: 0.03,
+            length: 0.05,
+        },
+        Shape::Plane,
+    ];
+    for shape in shapes {
+        let body = obstacle(shape.clone(), [0.0; 3]);
+        let aside = sheet.moment(|x, y| Vector3::new(x, 0.3 + y, 0.0), &[body]);
+        let from_above = View {
+            azimuth: -90.0,
+            elevation: 90.0,
+        };
+        let mut framing = Framing::new(from_above);
+        framing.include(&aside);
+        framing.include(&sheet.moment(|x, y| Vector3::new(x, y - 0.3, 0.0), &[]));
+        let drawn = draw(&sheet.subject(), &aside, &framing, SMALL).unwrap();
+        assert_eq!(seen(centre(&drawn)), Seen::Grey, "{shape:?}");
+    }
+}
+
+/// Six moments in six panels, no two alike.
+#[test]
+fn verify_a_strip_has_a_panel_for_every_moment() {
+    let sheet = Sheet::new(5);
+    let fallen = |k: u32| {
+        let drop = 0.03 * f64::from(k);
+        sheet.moment(move |x, y| Vector3::new(x, 0.0, y - drop), &[])
+    };
+    let moments: Vec<_> = (0..6).map(fallen).collect();
+    let mut framing = Framing::new(from_the_front());
+    moments.iter().for_each(|m| framing.include(m));
+    let strip = draw_strip(&sheet.subject(), &moments, &framing, None).unwrap();
+    let Size { width, height } = strip.size();
+    let tops: Vec<Vec<u32>> = (0..6)
+        .map(|column| {
+            let x = (2 * column + 1) * width / 12;
+            (0..height)
+                .filter(|y| seen(strip.pixel(x, *y)) == Seen::Front)
+                .collect()
+        })
+        .filter(|rows: &Vec<u32>| !rows.is_empty())
+        .collect();
+    let distinct: std::collections::BTreeSet<_> = tops.iter().collect();
+    // Three columns of two rows, or six of one: each column has cloth, and each at other heights.
+    assert!(
+        tops.len() >= 3 && distinct.len() >= 3,
+        "{} columns",
+        distinct.len()
+    );
+    let cloth: usize = (0..height)
+        .map(|y| {
+            (0..width)
+                .filter(|x| seen(strip.pixel(*x, y)) == Seen::Front)
+                .count()
+        })
+        .sum();
+    let one = draw_strip(
+        &sheet.subject(),
+        &moments[..1],
+        &framing,
+        Some(strip.size()),
+    )
+    .unwrap();
+    assert_ne!(one, strip);
+    assert!(cloth > 20_000, "{cloth} pixels of cloth");
 }
 
 #[test]
-fn charted() {
-    let caption = plot::Caption {
-        scene: "strip-release".into(),
-        title: "strip-release: error against step and CPU time".into(),
-        subtitle: "F1, 604 triangles; tip of a 100 mm strip, largest error over 0.3 s".into(),
-        error_over: "length (100 mm)".into(),
-        uncertainty: 1.3e-4,
-        source: "independent chain of 200 links, DOP853".into(),
+fn consistency_same_input_same_bytes() {
+    let sheet = Sheet::new(12);
+    let table = [obstacle(
+        Shape::Cylinder {
+            radius: 0.05,
+            length: 0.05,
+        },
+        [0.0, 0.0, -0.03],
+    )];
+    let draped = sheet.moment(|x, y| Vector3::new(x, y, -4.0 * (x * x + y * y)), &table);
+    let bytes = || picture(&sheet, &draped, View::default()).png().unwrap();
+    assert_eq!(bytes(), bytes());
+}
+
+#[test]
+fn stability_unusable_input_is_refused_by_name() {
+    let sheet = Sheet::new(3);
+    let mut broken = sheet.moment(|x, y| Vector3::new(x, y, 0.0), &[]);
+    broken.positions[4].z = f64::NAN;
+    let framing = Framing::new(View::default());
+    let refused = |m: &Moment, size| draw(&sheet.subject(), m, &framing, size).unwrap_err();
+    assert!(matches!(
+        refused(&broken, SMALL),
+        DrawError::NotFinite { vertex: 4, .. }
+    ));
+    broken.positions.truncate(4);
+    assert!(matches!(
+        refused(&broken, SMALL),
+        DrawError::Face { vertices: 4, .. }
+    ));
+    let giant = Size {
+        width: 100_000,
+        height: 10,
     };
-    let svg = plot::chart(&caption, &synthetic()).unwrap();
-    std::fs::write("/tmp/wp.svg", &svg).unwrap();
-    std::fs::write("/tmp/wp.png", png_of_svg(&svg, 1.0).unwrap()).unwrap();
+    assert!(matches!(
+        refused(&broken, giant),
+        DrawError::Size { width: 100_000, .. }
+    ));
+    broken.positions.clear();
+    assert!(matches!(refused(&broken, SMALL), DrawError::Empty(_)));
 }
