@@ -3,12 +3,14 @@
 //! One file a verb, each with clap arguments and a `run`. Exit codes: 0 done, 1 the run failed or differed,
 //! 2 bad usage or input. Results go to standard output, everything else to standard error; an error is one line.
 
+mod chart;
 mod error;
 mod list;
 mod output;
 mod progress;
 mod run;
 mod scene;
+mod show;
 mod source;
 mod summary;
 
@@ -35,7 +37,10 @@ enum Verb {
     List(list::ListArgs),
     /// Print the TOML of a built-in scene, to start one's own from.
     Scene(scene::SceneArgs),
-    // Mount points of the pictures: Show(show::ShowArgs), Chart(chart::ChartArgs).
+    /// Draw a recording as PNG; write the layouts of viewers.
+    Show(show::ShowArgs),
+    /// Run and draw a chart: error against CPU time.
+    Chart(chart::ChartArgs),
 }
 
 /// Entry point of the binary.
@@ -48,6 +53,8 @@ pub fn main() -> ExitCode {
         Verb::Run(args) => args.run(),
         Verb::List(args) => args.run(),
         Verb::Scene(args) => args.run(),
+        Verb::Show(args) => args.run(),
+        Verb::Chart(args) => args.run(),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -266,6 +266,24 @@ fn help_and_version_go_to_standard_output() {
     }
 }
 
+/// Verbs of the README's summary of the command line are those of the binary, and each has help.
+#[test]
+fn the_readme_shows_every_verb() {
+    let dir = TempDir::new().unwrap();
+    let help = out(&toile(dir.path(), &["--help"]));
+    let commands = help.split("Commands:\n").nth(1).unwrap();
+    let commands = commands.split("\n\n").next().unwrap();
+    let readme = include_str!("../../README.md");
+    for line in commands.lines() {
+        let verb = line.split_whitespace().next().unwrap();
+        if verb != "help" {
+            assert!(readme.contains(&format!("\ntoile {verb} ")), "{verb}");
+            let output = toile(dir.path(), &[verb, "--help"]);
+            assert_eq!(output.status.code(), Some(0), "{verb} --help");
+        }
+    }
+}
+
 /// The stop of a long run: the recording is closed, the summary says so.
 #[test]
 fn a_signal_ends_the_run_with_its_recording_closed() {
