@@ -38,6 +38,12 @@ impl CliError {
     pub fn exit_code(&self) -> ExitCode {
         match self {
             CliError::Input(_) | CliError::Scene(_) => ExitCode::from(2),
+            // A recording that cannot be read is bad input; one that cannot be written, a failed run.
+            CliError::Node(
+                NodeError::File { action: "open", .. }
+                | NodeError::Unreadable { .. }
+                | NodeError::NoSuchFrame { .. },
+            ) => ExitCode::from(2),
             CliError::Diverged { .. } | CliError::Node(_) | CliError::Output(_) => {
                 ExitCode::from(1)
             }

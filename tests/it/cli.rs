@@ -178,6 +178,7 @@ fn bad_usage_is_one_line_and_exit_code_2() {
         ],
     );
     refuses(2, &["scene", "nope"], &["nope", "drape-table"]);
+    refuses(2, &["show", "nope.mcap"], &["cannot open nope.mcap"]);
 }
 
 #[test]
