@@ -1,1 +1,25 @@
-//! (in work)
+//! Pictures and charts: plain data in, PNG, SVG and CSV text out. Nothing here touches files or clocks.
+//!
+//! - [`picture`]: a sheet with its obstacles, shaded, in one frame or a strip of frames.
+//! - [`work_precision`]: error against CPU time of every scheme and step, failures included.
+
+mod lettering;
+pub mod picture;
+mod picture_camera;
+mod picture_cloth;
+mod picture_labels;
+mod picture_light;
+mod picture_solids;
+mod picture_strip;
+pub mod plot;
+mod plot_frame;
+mod plot_marks;
+mod plot_points;
+mod raster;
+pub mod reference;
+pub mod rows;
+pub mod work_precision;
+
+pub use lettering::{DrawError, png_of_svg};
+pub use picture::{Framing, Moment, Picture, Size, Subject, View, draw};
+pub use picture_strip::draw_strip;

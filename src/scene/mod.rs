@@ -1,5 +1,28 @@
 //! A scene: one TOML document that says everything about a run.
+//!
+//! [`parse`] turns text and overrides into a checked [`Scene`]; [`library`] holds the built-in ones. Every
+//! refusal is one [`SceneError`] that names key, value, what is allowed, and where it was written.
 
+mod check;
+mod cross;
+mod error;
+mod fabric;
+mod keys;
+pub mod library;
+mod method;
+mod overrides;
+mod parse;
+mod quantity;
 mod spec;
+mod tree;
+mod warning;
 
+pub use error::{Origin, Problem, SceneError};
+pub use fabric::FabricError;
+pub use method::{MethodSpec, OutputSpec, Scheme};
+pub use overrides::Override;
+pub use parse::parse;
 pub use spec::*;
+pub use warning::Warning;
+
+pub use crate::sheet::Outline;

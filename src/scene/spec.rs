@@ -4,10 +4,12 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::method::{MethodSpec, OutputSpec};
 use crate::contact::Shape;
 use crate::fabric::{PoissonCoupling, TwistRigidity};
+use crate::sheet::Outline;
 
-/// A scene as written. [`Scene::check`](Scene) has passed on every one that reaches the simulation.
+/// A scene as written. [`Scene::check`] has passed on every one that reaches the simulation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
@@ -47,11 +49,21 @@ pub struct Scene {
     pub observe: BTreeMap<String, ObserveSpec>,
 }
 
+impl Scene {
+    /// Number of steps of the run: the duration in whole steps, at least one.
+    pub fn steps(&self) -> u64 {
+        ((self.duration / self.method.dt).round() as u64).max(1)
+    }
+
+    /// Steps from one output to the next: the nearest to the wanted rate, at least one.
+    pub fn output_steps(&self) -> u64 {
+        ((1.0 / (self.output.rate * self.method.dt)).round() as u64).max(1)
+    }
+}
+
 fn standard_gravity() -> [f64; 3] {
     [0.0, 0.0, -9.81]
 }
-
-pub use crate::sheet::Outline;
 
 /// The sheet: outline, mesh size, where it starts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -80,6 +92,17 @@ pub struct SheetSpec {
     /// Roll, pitch, yaw of the flat sheet at the start \[degrees\].
     #[serde(default)]
     pub rotation: [f64; 3],
+}
+
+impl SheetSpec {
+    /// Edge length that the scene asks for, directly or about by the number of triangles \[m\].
+    pub fn edge_length(&self) -> f64 {
+        match (self.edge, self.triangles) {
+            (Some(edge), _) => edge,
+            (None, Some(triangles)) => self.outline.equilateral_edge(triangles as f64),
+            (None, None) => self.outline.equilateral_edge(1.0),
+        }
+    }
 }
 
 /// A catalogue fabric by name, with single constants replaced if given; or all constants of one's own.
@@ -221,70 +244,6 @@ pub struct Perturbation {
     pub seed: u64,
 }
 
-/// Time scheme (DESIGN section 3).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Scheme {
-    /// First order, strongly damping.
-    BackwardEuler,
-    /// Second order, variable step, damps only what the step cannot resolve.
-    Bdf2,
-    /// Second order, damping chosen by the spectral radius at infinite frequency.
-    GeneralisedAlpha,
-    /// The paper's explicit scheme (16), at its own stable step.
-    CentralDifference,
-}
-
-/// How steps are taken and solved.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct MethodSpec {
-    /// Time scheme.
-    pub scheme: Scheme,
-    /// Step \[s\]; the outer step of `central-difference`, which substeps.
-    pub dt: f64,
-    /// A step has converged when its force residual is below this fraction of the sheet's weight \[-\].
-    pub tolerance: f64,
-    /// Newton iterations before a step is retried smaller.
-    pub max_iterations: usize,
-    /// Substep of `central-difference` \[s\]; left out, it is 0.9 of the stable limit.
-    pub substep: Option<f64>,
-    /// Spectral radius of `generalised-alpha` at infinite frequency, 0 to 1.
-    pub rho_infinity: f64,
-}
-
-impl Default for MethodSpec {
-    fn default() -> Self {
-        Self {
-            scheme: Scheme::Bdf2,
-            dt: 5e-3,
-            tolerance: 1e-4,
-            max_iterations: 40,
-            substep: None,
-            rho_infinity: 0.8,
-        }
-    }
-}
-
-/// What goes out, and how often.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct OutputSpec {
-    /// States and reports per simulated second \[Hz\]; a whole number of steps apart.
-    pub rate: f64,
-    /// Mesh markers per simulated second \[Hz\]; 0 turns them off.
-    pub mesh_rate: f64,
-}
-
-impl Default for OutputSpec {
-    fn default() -> Self {
-        Self {
-            rate: 100.0,
-            mesh_rate: 25.0,
-        }
-    }
-}
-
 /// World axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -305,14 +264,4 @@ pub struct ObserveSpec {
     pub points: Vec<[f64; 2]>,
     /// Direction of the displacement.
     pub axis: Axis,
-}
-
-impl FabricSpec {
-    /// TEMP
-    pub fn resolve(&self) -> Result<crate::fabric::Fabric, String> {
-        let mut f = crate::fabric::find(&self.name).ok_or("unknown".to_string())?;
-        f.twist = self.twist;
-        f.poisson = self.poisson;
-        Ok(f)
-    }
 }

@@ -3,37 +3,12 @@
 use nalgebra::{Rotation2, Vector2};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use serde::{Deserialize, Serialize};
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 use super::mesh::Mesh;
+use super::outline::Outline;
 
 type Point = Vector2<f64>;
-
-/// Outline of a flat sheet centred on its origin, \[m\].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Outline {
-    /// `length` along x, `width` along y.
-    Rectangle {
-        /// Along x \[m\].
-        length: f64,
-        /// Along y \[m\].
-        width: f64,
-    },
-    /// A disc.
-    Disc {
-        /// Diameter \[m\].
-        diameter: f64,
-    },
-    /// A ring.
-    Annulus {
-        /// Outer diameter \[m\].
-        outer: f64,
-        /// Inner diameter \[m\].
-        inner: f64,
-    },
-}
 
 /// How fine, how regular, and how the yarns lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,38 +35,9 @@ impl Outline {
         }
     }
 
-    /// Distance from an inner point to the boundary, negative outside \[m\].
-    fn depth(&self, p: &Point) -> f64 {
-        match *self {
-            Self::Rectangle { length, width } => {
-                (0.5 * length - p.x.abs()).min(0.5 * width - p.y.abs())
-            }
-            Self::Disc { diameter } => 0.5 * diameter - p.norm(),
-            Self::Annulus { outer, inner } => (0.5 * outer - p.norm()).min(p.norm() - 0.5 * inner),
-        }
-    }
-
-    fn half_extent(&self) -> Point {
-        match *self {
-            Self::Rectangle { length, width } => Point::new(0.5 * length, 0.5 * width),
-            Self::Disc { diameter } => Point::repeat(0.5 * diameter),
-            Self::Annulus { outer, .. } => Point::repeat(0.5 * outer),
-        }
-    }
-
-    /// Area \[m²\].
-    pub fn area(&self) -> f64 {
-        use std::f64::consts::FRAC_PI_4;
-        match *self {
-            Self::Rectangle { length, width } => length * width,
-            Self::Disc { diameter } => FRAC_PI_4 * diameter * diameter,
-            Self::Annulus { outer, inner } => FRAC_PI_4 * (outer * outer - inner * inner),
-        }
-    }
-
     /// The edge length whose mesh has about `triangles` faces (within a few per cent).
     pub fn edge_for(&self, triangles: usize) -> f64 {
-        let mut edge = (4.0 * self.area() / (3f64.sqrt() * triangles as f64)).sqrt();
+        let mut edge = self.equilateral_edge(triangles as f64);
         for _ in 0..6 {
             let boundary: usize = self.loops(edge).iter().map(Vec::len).sum();
             let holes = self.loops(edge).len() - 1;

@@ -2,6 +2,8 @@
 
 mod generate;
 mod mesh;
+mod outline;
 
-pub use generate::{MeshOptions, Outline, generate};
+pub use generate::{MeshOptions, generate};
 pub use mesh::{Mesh, NO_FACE};
+pub use outline::Outline;

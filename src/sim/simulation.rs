@@ -11,7 +11,7 @@ use super::report::StepReport;
 use super::state::{History, State};
 use super::touch::{Before, Touch};
 use crate::math::newton::Limits;
-use crate::scene::Scene;
+use crate::scene::{FabricError, Scene};
 
 /// Why a simulation could not be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -27,9 +27,9 @@ pub enum Refused {
         /// Stable limit \[s\].
         limit: f64,
     },
-    /// The fabric cannot be resolved.
-    #[error("{0}")]
-    Fabric(String),
+    /// The fabric cannot be one.
+    #[error(transparent)]
+    Fabric(#[from] FabricError),
 }
 
 /// A step that could not be taken.
@@ -55,6 +55,12 @@ pub struct Diverged {
     pub advice: String,
 }
 
+/// Flow steps after which `settle` gives up.
+const MOST_FLOW_STEPS: u64 = 400;
+/// Flow step below which `settle` gives up \[s\].
+const LEAST_FLOW_STEP: f64 = 1e-6;
+/// Flow step at which inertia no longer counts \[s\].
+const STIFFEST_FLOW_STEP: f64 = 100.0;
 /// Smallest part of a step that is tried: 1/64.
 const TICKS: u32 = 64;
 
@@ -75,10 +81,7 @@ pub struct Simulation {
 impl Simulation {
     /// Builds model and start state from a checked scene; results do not depend on `threads`.
     pub fn new(scene: &Scene, threads: usize) -> Result<Self, Refused> {
-        let fabric = scene
-            .fabric
-            .resolve()
-            .map_err(|e| Refused::Fabric(e.to_string()))?;
+        let fabric = scene.fabric.resolve()?;
         let model = Model::new(scene, fabric);
         let mut explicit = Explicit::new(&model, threads);
         let mut nodes = model.start();
@@ -153,6 +156,45 @@ impl Simulation {
         self.state = next;
         self.report = report;
         Ok(&self.report)
+    }
+}
+
+impl Simulation {
+    /// Finds an equilibrium from the present state by implicit gradient flow with a growing step, to a residual
+    /// of `tolerance` of the weight. The state comes to rest there; friction keeps its bonds. Returns the number
+    /// of flow steps.
+    pub fn settle(&mut self, tolerance: f64) -> Result<u64, Diverged> {
+        let Engine::Implicit(_, solver) = &mut self.engine else {
+            panic!("settle() needs an implicit scheme");
+        };
+        let rule = Rule::GradientFlow;
+        let (model, mut tau) = (&self.model, self.model.scene.method.dt);
+        let limits = Limits {
+            tolerance,
+            iterations: model.scene.method.max_iterations,
+        };
+        let mut report = self.report.clone();
+        for count in 1..=MOST_FLOW_STEPS {
+            let solved = solver.solve(model, &self.state, rule, tau, &limits);
+            if !solved.outcome.converged {
+                tau *= 0.25;
+                if tau < LEAST_FLOW_STEP {
+                    return Err(diverged(model, &self.state, &solved, tau));
+                }
+                continue;
+            }
+            take(&mut self.state, rule, &solved, tau);
+            tau *= 2.0;
+            // When one Newton solve of the bare equations changes nothing more, this is the equilibrium.
+            if tau > STIFFEST_FLOW_STEP && solved.outcome.iterations <= 1 {
+                self.state.history.dt = 0.0;
+                measure::measure(model, &self.state, &solved.touch, &mut report);
+                self.report = report;
+                return Ok(count);
+            }
+        }
+        let solved = solver.solve(model, &self.state, rule, tau, &limits);
+        Err(diverged(model, &self.state, &solved, tau))
     }
 }
 

@@ -1,1 +1,22 @@
-//! (in work)
+//! What leaves the core, as ROS 2 messages: one definition (a `.msg`), one encoding (CDR).
+//!
+//! `build.rs` turns `msgs/msg/*.msg` and the standard types into the structs of [`messages`]; [`channels`] says
+//! which of them goes where, and [`instant`] turns a model and its state into encoded [`Packet`]s.
+//! Nothing here knows files, sockets or the clock.
+
+pub mod cdr;
+pub mod channels;
+pub mod cloud;
+mod message;
+mod obstacles;
+mod packets;
+mod report;
+mod sheet;
+mod stamp;
+
+pub use message::{Message, MessageType, messages};
+pub use obstacles::{pose, robot_description, transforms};
+pub use packets::{Packet, instant, preamble};
+pub use report::report;
+pub use sheet::{markers, topology};
+pub use stamp::{WORLD, header, nanoseconds, seconds, stamp};

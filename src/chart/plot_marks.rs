@@ -1,0 +1,169 @@
+//! Curves with their markers and labels, and the crosses of runs that died.
+
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, VPos};
+
+use super::lettering::DrawError;
+use super::plot_frame::{Area, Panel, at, fault, font, to_local};
+use super::plot_points::{Arranged, Cross, Point};
+use crate::scene::Scheme;
+
+/// Class name in the SVG of nothing but failures: one `<text>` of this glyph for each.
+pub const CROSS_GLYPH: &str = "✕";
+
+pub(super) fn color(scheme: Scheme) -> RGBColor {
+    // Okabe and Ito: distinct for every kind of colour vision.
+    match scheme {
+        Scheme::BackwardEuler => RGBColor(213, 94, 0),
+        Scheme::Bdf2 => RGBColor(0, 114, 178),
+        Scheme::GeneralisedAlpha => RGBColor(0, 158, 115),
+        Scheme::CentralDifference => RGBColor(170, 80, 150),
+    }
+}
+
+/// The marker of a scheme at a place in pixels.
+pub(super) fn mark(area: &Area, scheme: Scheme, (x, y): (i32, i32)) -> Result<(), DrawError> {
+    let r = 6;
+    let corners: Vec<(i32, i32)> = match scheme {
+        Scheme::BackwardEuler => {
+            let halo = Circle::new((x, y), r + 2, WHITE.filled());
+            area.draw(&halo).map_err(fault)?;
+            return area
+                .draw(&Circle::new((x, y), r, color(scheme).filled()))
+                .map_err(fault);
+        }
+        Scheme::Bdf2 => vec![(-r, -r), (r, -r), (r, r), (-r, r)],
+        Scheme::GeneralisedAlpha => vec![(0, -r - 2), (r + 1, r - 1), (-r - 1, r - 1)],
+        Scheme::CentralDifference => vec![(0, -r - 2), (r + 2, 0), (0, r + 2), (-r - 2, 0)],
+    };
+    for (scale, ink) in [(1.35, WHITE), (1.0, color(scheme))] {
+        let place = |(a, b): &(i32, i32)| {
+            (
+                x + (f64::from(*a) * scale) as i32,
+                y + (f64::from(*b) * scale) as i32,
+            )
+        };
+        let shape = Polygon::new(corners.iter().map(place).collect::<Vec<_>>(), ink.filled());
+        area.draw(&shape).map_err(fault)?;
+    }
+    Ok(())
+}
+
+pub(super) fn curves(
+    area: &Area,
+    panel: &mut Panel,
+    arranged: &Arranged,
+    x: impl Fn(&Point) -> f64,
+) -> Result<(), DrawError> {
+    for (scheme, points) in &arranged.curves {
+        let path: Vec<(f64, f64)> = points.iter().map(|p| (x(p), p.error)).collect();
+        let line = PathElement::new(path.clone(), color(*scheme).stroke_width(2));
+        panel.draw_series([line]).map_err(fault)?;
+    }
+    for (scheme, points) in &arranged.curves {
+        for p in points {
+            mark(
+                area,
+                *scheme,
+                to_local(area, panel.backend_coord(&(x(p), p.error))),
+            )?;
+        }
+    }
+    Ok(())
+}
+
+/// The step of every point, written beside it where no marker and no other label is in the way.
+pub(super) fn step_labels(
+    area: &Area,
+    panel: &Panel,
+    arranged: &Arranged,
+) -> Result<(), DrawError> {
+    let place = |p: &Point| to_local(area, panel.backend_coord(&(p.cpu, p.error)));
+    let mut taken = obstructions(arranged, place);
+    for (scheme, points) in &arranged.curves {
+        for p in points {
+            let (x, y) = place(p);
+            let (w, h) = (7 * p.label.chars().count() as i32 + 2, 15);
+            let (middle, left, over) = (-h / 2, -w - 11, -h - 9);
+            let offsets = [
+                (12, middle),
+                (8, over),
+                (8, 9),
+                (left, middle),
+                (left, over),
+                (left, 9),
+                (-w / 2, over - 3),
+                (-w / 2, 12),
+                (12, -24),
+                (12, 10),
+                (-w / 2, -36),
+                (-w / 2, 24),
+            ];
+            let boxes = offsets.map(|(a, b)| [x + a, y + b, x + a + w, y + b + h]);
+            let overlaps = |b: &[i32; 4]| taken.iter().filter(|t| overlap(b, t)).count();
+            let Some(chosen) = boxes.into_iter().min_by_key(overlaps) else {
+                continue;
+            };
+            taken.push(chosen);
+            let style = at(font(14, color(*scheme)), HPos::Left, VPos::Top);
+            area.draw_text(&p.label, &style, (chosen[0], chosen[1]))
+                .map_err(fault)?;
+        }
+    }
+    Ok(())
+}
+
+pub(super) fn overlap(a: &[i32; 4], b: &[i32; 4]) -> bool {
+    a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
+}
+
+/// Boxes that labels should not cover: markers (counted more than once) and the lines between them.
+pub(super) fn obstructions(
+    arranged: &Arranged,
+    place: impl Fn(&Point) -> (i32, i32),
+) -> Vec<[i32; 4]> {
+    let mut taken = vec![];
+    for (_, points) in &arranged.curves {
+        for (x, y) in points.iter().map(&place) {
+            taken.extend([[x - 8, y - 8, x + 8, y + 8]; 3]);
+        }
+        for pair in points.windows(2) {
+            let ((x0, y0), (x1, y1)) = (place(&pair[0]), place(&pair[1]));
+            for k in 1..24 {
+                let (x, y) = (x0 + (x1 - x0) * k / 24, y0 + (y1 - y0) * k / 24);
+                taken.push([x - 1, y - 1, x + 1, y + 1]);
+            }
+        }
+    }
+    taken
+}
+
+pub(super) fn crosses(
+    area: &Area,
+    panel: &Panel,
+    arranged: &Arranged,
+    range: (f64, f64),
+    (_, high, top): (f64, f64, f64),
+    x: impl Fn(&Cross) -> f64,
+) -> Result<(), DrawError> {
+    let count = arranged.crosses.len() as f64;
+    for (k, cross) in arranged.crosses.iter().enumerate() {
+        let level = top * (high / top).powf(1.0 - (k as f64 + 1.0) / (count + 1.0));
+        let value = x(cross).clamp(range.0 * 1.05, range.1 / 1.05);
+        let (px, py) = to_local(area, panel.backend_coord(&(value, level)));
+        let ink = color(cross.scheme);
+        let style = at(font(22, ink), HPos::Center, VPos::Center);
+        area.draw_text(CROSS_GLYPH, &style, (px, py))
+            .map_err(fault)?;
+        let right = (value / range.0).ln() > 0.55 * (range.1 / range.0).ln();
+        let (side, dx) = if right {
+            (HPos::Right, -14)
+        } else {
+            (HPos::Left, 14)
+        };
+        let style = at(font(14, ink), side, VPos::Center);
+        area.draw_text(&cross.label, &style, (px + dx, py))
+            .map_err(fault)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,138 @@
+//! Rows of one scene arranged for drawing: curves, failures, front, ranges.
+
+use super::rows::{Asked, Outcome, Row};
+use crate::scene::Scheme;
+
+/// A run that ended, in the coordinates of both panels.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Point {
+    pub dt: f64,
+    pub cpu: f64,
+    pub error: f64,
+    pub label: String,
+}
+
+/// A run that died.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Cross {
+    pub scheme: Scheme,
+    pub dt: f64,
+    pub cpu: f64,
+    pub label: String,
+}
+
+/// All that one chart shows.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Arranged {
+    /// One curve a scheme that has points, by rising step.
+    pub curves: Vec<(Scheme, Vec<Point>)>,
+    pub crosses: Vec<Cross>,
+    /// Corners (CPU, error) of the runs that no other run beats in both.
+    pub front: Vec<(f64, f64)>,
+}
+
+/// Where an error of exactly nothing is drawn on a logarithmic axis.
+const LEAST: f64 = 1e-9;
+
+pub(super) fn arrange(rows: &[&Row]) -> Arranged {
+    let mut out = Arranged::default();
+    for scheme in Scheme::ALL {
+        let mut points: Vec<Point> = rows
+            .iter()
+            .filter(|r| r.key.scheme == scheme)
+            .filter_map(|r| point(r))
+            .collect();
+        points.sort_by(|a, b| a.dt.total_cmp(&b.dt));
+        if !points.is_empty() {
+            out.curves.push((scheme, points));
+        }
+    }
+    out.crosses = rows.iter().filter_map(|r| cross(r)).collect();
+    out.front = front(&out.curves);
+    out
+}
+
+fn point(row: &Row) -> Option<Point> {
+    let error = row.error().filter(|e| e.is_finite())?.max(LEAST);
+    Some(Point {
+        dt: row.dt,
+        cpu: row.cpu_rate().max(1e-6),
+        error,
+        label: step_text(row),
+    })
+}
+
+fn cross(row: &Row) -> Option<Cross> {
+    let Outcome::Died { time, .. } = &row.outcome else {
+        return None;
+    };
+    let dt = match row.key.asked {
+        Asked::Step(dt) => dt,
+        Asked::Limit(_) => row.dt,
+    };
+    let label = format!("{}, died at {} s", step_text(row), short(*time));
+    Some(Cross {
+        scheme: row.key.scheme,
+        dt,
+        cpu: row.cpu_rate(),
+        label,
+    })
+}
+
+/// The step as a person writes it.
+fn step_text(row: &Row) -> String {
+    let dt = match row.key.asked {
+        Asked::Step(dt) => dt,
+        Asked::Limit(_) => row.dt,
+    };
+    match dt {
+        dt if dt < 0.995e-4 => format!("{} µs", short(dt * 1e6)),
+        dt => format!("{} ms", short(dt * 1e3)),
+    }
+}
+
+/// Three significant digits at most, no trailing zeros.
+pub(super) fn short(x: f64) -> String {
+    if x == 0.0 {
+        return "0".to_string();
+    }
+    let decimals = (2 - x.abs().log10().floor() as i32).clamp(0, 6) as usize;
+    let text = format!("{x:.decimals$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_string(),
+        false => text,
+    }
+}
+
+fn front(curves: &[(Scheme, Vec<Point>)]) -> Vec<(f64, f64)> {
+    let mut all: Vec<(f64, f64)> = curves
+        .iter()
+        .flat_map(|(_, c)| c)
+        .map(|p| (p.cpu, p.error))
+        .collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let mut front: Vec<(f64, f64)> = vec![];
+    for (cpu, error) in all {
+        if front.last().is_none_or(|(_, best)| error < *best) {
+            front.push((cpu, error));
+        }
+    }
+    front
+}
+
+/// A range in whole thirds of a decade around values, at least one and a half decades wide.
+pub(super) fn log_range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let logs = values.filter(|v| *v > 0.0 && v.is_finite()).map(f64::log10);
+    let (low, high) = logs.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| {
+        (a.min(v), b.max(v))
+    });
+    if low > high {
+        return (1e-3, 1.0);
+    }
+    let widen = (0.5 * (1.5 - (high - low))).max(0.2);
+    let third = |x: f64| 10f64.powf(x / 3.0);
+    (
+        third((3.0 * (low - widen)).floor()),
+        third((3.0 * (high + widen)).ceil()),
+    )
+}

@@ -1,0 +1,53 @@
+//! Why a verb did not do its job.
+
+use std::io;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use crate::node::NodeError;
+use crate::scene::SceneError;
+use crate::sim::Diverged;
+
+/// A failure of a verb; its kind decides the exit code.
+#[derive(Debug, thiserror::Error)]
+pub enum CliError {
+    /// Input that cannot be used, in words.
+    #[error("{0}")]
+    Input(String),
+    /// A refused option or override.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A run that stopped at a step it could not take.
+    #[error("{diverged}; recorded up to there in {}", recording.display())]
+    Diverged {
+        /// Step, time, place and advice.
+        diverged: Diverged,
+        /// Where the last good state is.
+        recording: PathBuf,
+    },
+    /// A run or a file that failed.
+    #[error(transparent)]
+    Node(#[from] NodeError),
+    /// Standard output does not take the result.
+    #[error("cannot write to standard output: {0}")]
+    Output(io::Error),
+}
+
+impl CliError {
+    /// 2 for bad usage or input, 1 for a run that failed.
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            CliError::Input(_) | CliError::Scene(_) => ExitCode::from(2),
+            // A recording that cannot be read is bad input; one that cannot be written, a failed run.
+            CliError::Node(
+                NodeError::Refused(_)
+                | NodeError::File { action: "open", .. }
+                | NodeError::Unreadable { .. }
+                | NodeError::NoSuchFrame { .. },
+            ) => ExitCode::from(2),
+            CliError::Diverged { .. } | CliError::Node(_) | CliError::Output(_) => {
+                ExitCode::from(1)
+            }
+        }
+    }
+}

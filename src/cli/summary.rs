@@ -1,0 +1,133 @@
+//! What a run came to, for people and for programs.
+
+use serde_json::{Map, Value, json};
+
+use super::output;
+use crate::node::Summary;
+use crate::scene::{Scene, Warning};
+use crate::sim::Energies;
+
+/// The closing summary on a terminal.
+pub(super) fn text(scene: &Scene, run: &Summary) -> String {
+    let work = &run.work;
+    let rate = output::significant(run.time / run.wall_seconds.max(1e-9), 2);
+    let mut rows = vec![
+        ("simulated", simulated(scene, run)),
+        (
+            "work",
+            format!(
+                "{} iterations, {} factorisations, {} substeps, {} repeated smaller",
+                work.iterations, work.factorisations, work.substeps, work.rejected
+            ),
+        ),
+        ("energies [mJ]", stored(&run.energies)),
+        ("exchanged [mJ]", exchanged(&run.energies)),
+        (
+            "largest strain",
+            format!("{} %", output::significant(1e2 * run.largest_strain, 3)),
+        ),
+        (
+            "deepest penetration",
+            format!("{:.4} mm", 1e3 * run.deepest_penetration),
+        ),
+    ];
+    for (name, value) in &run.readings {
+        rows.push((name, format!("{:.3} mm", 1e3 * value)));
+    }
+    rows.push((
+        "time",
+        format!(
+            "{:.2} s wall ({rate} x real time), {:.2} s CPU",
+            run.wall_seconds, run.cpu_seconds
+        ),
+    ));
+    let mut next = String::new();
+    if let Some(path) = &run.recording {
+        let (file, megabytes) = (path.display(), run.recording_bytes as f64 * 1e-6);
+        rows.push(("recording", format!("{file}, {megabytes:.2} MB")));
+        next = format!("next: toile show {file} -o shot.png\n");
+    }
+    let rows: Vec<_> = rows
+        .into_iter()
+        .map(|(name, value)| vec![format!("  {name}"), value])
+        .collect();
+    let (fabric, method) = (&scene.fabric.name, scene.method.scheme.name());
+    let head = format!(
+        "{}: {fabric} with {method}, dt {} s\n",
+        scene.name, scene.method.dt
+    );
+    head + &output::table(&rows) + &next
+}
+
+fn simulated(scene: &Scene, run: &Summary) -> String {
+    let end = match run.stopped {
+        true => format!(" (stopped by a signal before {} s)", scene.duration),
+        false => String::new(),
+    };
+    let converged = match run.converged {
+        true => "every step converged",
+        false => "NOT every step converged",
+    };
+    format!("{:.4} s in {} steps{end}, {converged}", run.time, run.steps)
+}
+
+/// Energies by name, in millijoules.
+fn millijoules(terms: &[(&str, f64)]) -> String {
+    let terms: Vec<_> = terms
+        .iter()
+        .map(|(name, joules)| format!("{name} {}", output::significant(1e3 * joules, 4)))
+        .collect();
+    terms.join(", ")
+}
+
+fn stored(energies: &Energies) -> String {
+    millijoules(&[
+        ("kinetic", energies.kinetic),
+        ("stretch", energies.stretch),
+        ("bend", energies.bend),
+        ("gravity", energies.gravity),
+        ("contact", energies.contact),
+    ])
+}
+
+fn exchanged(energies: &Energies) -> String {
+    let taken = millijoules(&[
+        ("damping", energies.damping),
+        ("friction", energies.friction),
+    ]);
+    let put = millijoules(&[("supports", energies.supports)]);
+    format!("out by {taken}; in by {put}")
+}
+
+/// The same as a JSON object, SI units throughout.
+pub(super) fn json(scene: &Scene, warnings: &[Warning], run: &Summary) -> Value {
+    let readings: Map<_, _> = run
+        .readings
+        .iter()
+        .map(|(name, value)| (name.clone(), json!(value)))
+        .collect();
+    let warnings: Vec<_> = warnings.iter().map(ToString::to_string).collect();
+    json!({
+        "scene": scene.name,
+        "fabric": scene.fabric.name,
+        "method": scene.method.scheme.name(),
+        "dt": scene.method.dt,
+        "duration": scene.duration,
+        "time": run.time,
+        "steps": run.steps,
+        "stopped": run.stopped,
+        "converged": run.converged,
+        "work": run.work,
+        "energies": run.energies,
+        "readings": readings,
+        "largest_strain": run.largest_strain,
+        "deepest_penetration": run.deepest_penetration,
+        // Programs read JSON numbers as doubles, which do not hold 64 bits.
+        "digest": format!("{:016x}", run.digest),
+        "wall_seconds": run.wall_seconds,
+        "cpu_seconds": run.cpu_seconds,
+        "recording": run.recording,
+        "recording_bytes": run.recording_bytes,
+        "warnings": warnings,
+    })
+}

@@ -1,0 +1,105 @@
+//! Where a recording goes. A path that ends in `.mcap` is a file and nothing else: viewers and
+//! `ros2 bag play -s mcap FILE` take it as it is. Any other path is a rosbag2 bag, a directory `NAME` with
+//! `NAME_0.mcap` and `metadata.yaml`, which `ros2 bag info/play NAME` takes on every distribution. (rosbag2 reads
+//! one `metadata.yaml` per directory, so it is never written beside a bare file, where a second recording in
+//! the same directory would take it over.)
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::NodeError;
+use crate::wire::channels;
+
+/// Where a recording goes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Destination {
+    file: PathBuf,
+    /// Directory of the bag, if it is one.
+    bag: Option<PathBuf>,
+}
+
+impl Destination {
+    /// A file if the path ends in `.mcap`, else a bag directory.
+    pub fn new(path: &Path) -> Self {
+        if path.extension().is_some_and(|e| e == "mcap") {
+            return Self {
+                file: path.to_path_buf(),
+                bag: None,
+            };
+        }
+        let name = path.file_name().unwrap_or("toile".as_ref());
+        let file = format!("{}_0.mcap", name.to_string_lossy());
+        Self {
+            file: path.join(file),
+            bag: Some(path.to_path_buf()),
+        }
+    }
+
+    /// The MCAP file.
+    pub fn file(&self) -> &Path {
+        &self.file
+    }
+
+    /// Makes the directories that are missing.
+    pub(super) fn prepare(&self) -> Result<(), NodeError> {
+        let Some(parent) = self.file.parent().filter(|p| !p.as_os_str().is_empty()) else {
+            return Ok(());
+        };
+        fs::create_dir_all(parent).map_err(NodeError::file("create directory", parent))
+    }
+
+    /// Writes `metadata.yaml` of a bag, whole or not at all.
+    pub(super) fn describe(&self, tally: &Tally) -> Result<(), NodeError> {
+        let Some(bag) = &self.bag else {
+            return Ok(());
+        };
+        let file = self.file.file_name().unwrap_or_default().to_string_lossy();
+        let (path, draft) = (bag.join("metadata.yaml"), bag.join("metadata.yaml.part"));
+        fs::write(&draft, tally.yaml(&file)).map_err(NodeError::file("write", &draft))?;
+        fs::rename(&draft, &path).map_err(NodeError::file("write", &path))
+    }
+}
+
+/// What rosbag2's metadata counts.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tally {
+    /// Messages per channel, in the order of [`channels::ALL`].
+    counts: [u64; channels::ALL.len()],
+    /// Time of the last message \[ns\]; the first is at 0.
+    last: u64,
+}
+
+impl Tally {
+    /// Counts a message on a channel at a time \[ns\].
+    pub(super) fn count(&mut self, channel: usize, stamp: u64) {
+        self.counts[channel] += 1;
+        self.last = self.last.max(stamp);
+    }
+
+    /// `metadata.yaml`, version 5 (Humble reads no newer one).
+    fn yaml(&self, file: &str) -> String {
+        let (total, last) = (self.counts.iter().sum::<u64>(), self.last);
+        let mut text = format!(
+            "rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: mcap\n  \
+             duration:\n    nanoseconds: {last}\n  \
+             starting_time:\n    nanoseconds_since_epoch: 0\n  \
+             message_count: {total}\n  topics_with_message_count:\n"
+        );
+        for (channel, count) in channels::ALL.iter().zip(self.counts) {
+            let qos = channel.qos.offered_profiles().replace('\n', "\\n");
+            let _ = write!(
+                text,
+                "    - topic_metadata:\n        name: {}\n        type: {}\n        \
+                 serialization_format: cdr\n        offered_qos_profiles: \"{qos}\"\n      \
+                 message_count: {count}\n",
+                channel.topic, channel.message.name
+            );
+        }
+        text + &format!(
+            "  compression_format: \"\"\n  compression_mode: \"\"\n  relative_file_paths:\n    - {file}\n  \
+             files:\n    - path: {file}\n      starting_time:\n        nanoseconds_since_epoch: 0\n      \
+             duration:\n        nanoseconds: {last}\n      message_count: {total}\n"
+        )
+    }
+}

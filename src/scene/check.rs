@@ -1,0 +1,288 @@
+//! The document against the key table: unknown, missing, mistyped, out of range.
+
+use std::collections::BTreeMap;
+
+use super::error::{Problem, SceneError};
+use super::keys::{Key, Kind, names};
+use super::tree::{Node, Value};
+
+/// Checks a table and all below it; the first refusal ends it.
+pub(super) fn table(node: &Node, path: &str, keys: &[Key]) -> Result<(), SceneError> {
+    let entries = entries(node, path, || format!("a table of {}", names(keys)))?;
+    known(entries, path, keys, &[])?;
+    each(node, entries, path, keys)
+}
+
+/// Refuses keys that are neither in the table nor among `also`.
+fn known(
+    entries: &BTreeMap<String, Node>,
+    path: &str,
+    keys: &[Key],
+    also: &[&'static str],
+) -> Result<(), SceneError> {
+    let allowed: Vec<_> = also
+        .iter()
+        .copied()
+        .chain(keys.iter().map(|key| key.name))
+        .collect();
+    for (name, node) in entries {
+        if !allowed.contains(&name.as_str()) {
+            let problem = Problem::UnknownKey {
+                allowed: allowed.join(", "),
+                suggestion: nearest(name, &allowed),
+            };
+            return Err(refuse(node, &join(path, name), problem));
+        }
+    }
+    Ok(())
+}
+
+/// Checks every key of the table that is present, and that no required one is absent.
+fn each(
+    node: &Node,
+    entries: &BTreeMap<String, Node>,
+    path: &str,
+    keys: &[Key],
+) -> Result<(), SceneError> {
+    for key in keys {
+        let path = join(path, key.name);
+        match entries.get(key.name) {
+            Some(entry) => value(entry, &path, &key.kind)?,
+            None if key.required => return Err(missing(node, path, key.kind.expected())),
+            None => {}
+        }
+    }
+    Ok(())
+}
+
+fn value(node: &Node, path: &str, kind: &Kind) -> Result<(), SceneError> {
+    let expected = || kind.expected();
+    let in_range = |good: bool| match good {
+        true => Ok(()),
+        false => Err(out_of_range(node, path, expected())),
+    };
+    match kind {
+        Kind::Number(range) => {
+            let number = number(node, path, &expected)?;
+            in_range(range.contains(number))
+        }
+        Kind::Count(min, max) => match &node.value {
+            Value::Leaf(toml::Value::Integer(value)) => in_range((min..=max).contains(&value)),
+            Value::HugeInteger(_) => in_range(false),
+            _ => Err(wrong_type(node, path, expected())),
+        },
+        Kind::Vector(count, range) => {
+            let numbers = numbers(node, path, *count, &expected)?;
+            in_range(numbers.iter().all(|value| range.contains(*value)))
+        }
+        Kind::Points(range) => {
+            let Value::Array(points) = &node.value else {
+                return Err(wrong_type(node, path, expected()));
+            };
+            in_range(!points.is_empty())?;
+            for point in points {
+                let pair = numbers(point, path, 2, &expected)?;
+                if !pair.iter().all(|value| range.contains(*value)) {
+                    return Err(out_of_range(point, path, expected()));
+                }
+            }
+            Ok(())
+        }
+        Kind::Text(longest) => {
+            let text = text(node, path, &expected)?;
+            let length = text.chars().count();
+            let one_line = !text.chars().any(char::is_control);
+            in_range(one_line && (1..=*longest).contains(&length))
+        }
+        Kind::FileName => in_range(is_file_name(text(node, path, &expected)?)),
+        Kind::Axes => in_range(is_axes(text(node, path, &expected)?)),
+        Kind::Choice(words) => choice(node, path, words, &expected),
+        Kind::Table(keys) => table(node, path, keys),
+        Kind::Named(keys) => named(node, path, keys),
+        Kind::Tagged(variants) => tagged(node, path, variants, &expected),
+    }
+}
+
+/// A table of tables under names of the user's choice.
+fn named(node: &Node, path: &str, keys: &[Key]) -> Result<(), SceneError> {
+    let entries = entries(node, path, || Kind::Named(&[]).expected())?;
+    for (name, entry) in entries {
+        let path = join(path, name);
+        if !is_ros_name(name) {
+            let reason = "is not a name: must be 1 to 64 letters, digits or single `_`, a letter first, \
+                          no `_` at the end, and not `world`";
+            return Err(refuse_key(entry, &path, Problem::Conflict(reason.into())));
+        }
+        table(entry, &path, keys)?;
+    }
+    Ok(())
+}
+
+/// A table whose `kind` decides what else is in it.
+fn tagged(
+    node: &Node,
+    path: &str,
+    variants: &[(&'static str, &'static [Key])],
+    expected: &dyn Fn() -> String,
+) -> Result<(), SceneError> {
+    let entries = entries(node, path, expected)?;
+    let kinds: Vec<_> = variants.iter().map(|(kind, _)| *kind).collect();
+    let kind_path = join(path, "kind");
+    let one_of = || format!("one of {}", kinds.join(", "));
+    let Some(kind) = entries.get("kind") else {
+        return Err(missing(node, kind_path, one_of()));
+    };
+    choice(kind, &kind_path, &kinds, &one_of)?;
+    let keys = variants
+        .iter()
+        .find(|(name, _)| Some(*name) == kind.text())
+        .map_or(&[][..], |(_, keys)| *keys);
+    known(entries, path, keys, &["kind"])?;
+    each(node, entries, path, keys)
+}
+
+fn choice(
+    node: &Node,
+    path: &str,
+    words: &[&'static str],
+    expected: &dyn Fn() -> String,
+) -> Result<(), SceneError> {
+    let word = text(node, path, expected)?;
+    if words.contains(&word) {
+        return Ok(());
+    }
+    let problem = Problem::NotAChoice {
+        expected: expected(),
+        suggestion: nearest(word, words),
+    };
+    Err(refuse(node, path, problem))
+}
+
+fn entries<'a>(
+    node: &'a Node,
+    path: &str,
+    expected: impl Fn() -> String,
+) -> Result<&'a BTreeMap<String, Node>, SceneError> {
+    match &node.value {
+        Value::Table(entries) => Ok(entries),
+        _ => Err(wrong_type(node, path, expected())),
+    }
+}
+
+fn number(node: &Node, path: &str, expected: &dyn Fn() -> String) -> Result<f64, SceneError> {
+    node.number()
+        .ok_or_else(|| wrong_type(node, path, expected()))
+}
+
+fn numbers(
+    node: &Node,
+    path: &str,
+    count: usize,
+    expected: &dyn Fn() -> String,
+) -> Result<Vec<f64>, SceneError> {
+    match &node.value {
+        Value::Array(items) if items.len() == count => items
+            .iter()
+            .map(|item| number(item, path, expected))
+            .collect(),
+        Value::Array(_) => Err(out_of_range(node, path, expected())),
+        _ => Err(wrong_type(node, path, expected())),
+    }
+}
+
+fn text<'a>(
+    node: &'a Node,
+    path: &str,
+    expected: &dyn Fn() -> String,
+) -> Result<&'a str, SceneError> {
+    node.text()
+        .ok_or_else(|| wrong_type(node, path, expected()))
+}
+
+/// A name that can stand in ROS topics and frames, and is not the root frame.
+fn is_ros_name(name: &str) -> bool {
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    name.starts_with(|c: char| c.is_ascii_alphabetic())
+        && name.chars().all(plain)
+        && !name.contains("__")
+        && !name.ends_with('_')
+        && name.len() <= 64
+        && name != "world"
+}
+
+/// A name that becomes the stem of the recording, so no separators and no leading dot or dash.
+fn is_file_name(name: &str) -> bool {
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    name.starts_with(|c: char| c.is_ascii_alphanumeric())
+        && name.chars().all(plain)
+        && name.len() <= 64
+}
+
+fn is_axes(axes: &str) -> bool {
+    let once = |axis: char| axes.chars().filter(|c| *c == axis).count() == 1;
+    !axes.is_empty() && axes.chars().all(|c| "xyz".contains(c) && once(c))
+}
+
+fn join(path: &str, name: &str) -> String {
+    match path {
+        "" => name.to_string(),
+        _ => format!("{path}.{name}"),
+    }
+}
+
+/// The refusal of a value.
+fn refuse(node: &Node, path: &str, problem: Problem) -> SceneError {
+    SceneError {
+        value: Some(node.shown()),
+        ..refuse_key(node, path, problem)
+    }
+}
+
+/// The refusal of a key, whatever its value.
+pub(super) fn refuse_key(node: &Node, path: &str, problem: Problem) -> SceneError {
+    SceneError {
+        origin: node.origin.clone(),
+        key: path.to_string(),
+        value: None,
+        problem: Box::new(problem),
+    }
+}
+
+fn missing(table: &Node, path: String, expected: String) -> SceneError {
+    refuse_key(table, &path, Problem::Missing { expected })
+}
+
+fn wrong_type(node: &Node, path: &str, expected: String) -> SceneError {
+    let found = node.type_name();
+    refuse(node, path, Problem::WrongType { expected, found })
+}
+
+fn out_of_range(node: &Node, path: &str, expected: String) -> SceneError {
+    refuse(node, path, Problem::OutOfRange { expected })
+}
+
+/// The allowed word at most two letters away.
+fn nearest(word: &str, allowed: &[&str]) -> Option<String> {
+    allowed
+        .iter()
+        .map(|candidate| (distance(word, candidate), candidate))
+        .min()
+        .filter(|(distance, candidate)| *distance <= 2 && *distance < candidate.len())
+        .map(|(_, candidate)| candidate.to_string())
+}
+
+/// Levenshtein distance, one row at a time.
+fn distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(x != *y);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}

@@ -1,0 +1,147 @@
+//! What no key can say alone: values that must fit each other.
+
+use super::FabricError;
+use super::check::refuse_key;
+use super::error::{Problem, SceneError};
+use super::quantity::short;
+use super::spec::{Region, Scene};
+use super::tree::Node;
+use crate::sheet::Outline;
+
+/// A conflict: the key to blame and why.
+type Conflict = (String, Problem);
+
+/// Checks a scene whose keys are each in range. `document` says where they were written.
+pub(super) fn check(scene: &Scene, document: &Node) -> Result<(), SceneError> {
+    let checks = [mesh_size, outline, fabric, supports, observations, times];
+    for check in checks {
+        check(scene).map_err(|(key, problem)| {
+            let (node, exact) = document.find(&key);
+            // A fabric knows the value it refuses; another key left to its default has none to show.
+            let value = match &problem {
+                Problem::Fabric(FabricError::Unphysical(reason)) => Some(short(reason.value)),
+                _ => (exact && node.is_leaf()).then(|| node.shown()),
+            };
+            SceneError {
+                value,
+                ..refuse_key(node, &key, problem)
+            }
+        })?;
+    }
+    Ok(())
+}
+
+fn conflict(key: impl Into<String>, reason: impl Into<String>) -> Result<(), Conflict> {
+    Err((key.into(), Problem::Conflict(reason.into())))
+}
+
+/// Most triangles that a scene may ask for.
+const MOST_TRIANGLES: f64 = 2e6;
+
+fn mesh_size(scene: &Scene) -> Result<(), Conflict> {
+    let sheet = &scene.sheet;
+    match (sheet.triangles, sheet.edge) {
+        (None, None) => conflict(
+            "sheet",
+            "needs exactly one of triangles (how many) and edge (how long, m)",
+        ),
+        (Some(_), Some(_)) => conflict(
+            "sheet.triangles",
+            "give exactly one of sheet.triangles and sheet.edge, not both",
+        ),
+        (Some(_), None) => Ok(()),
+        (None, Some(edge)) => {
+            let (finest, coarsest) = (
+                sheet.outline.equilateral_edge(MOST_TRIANGLES),
+                sheet.outline.equilateral_edge(2.0),
+            );
+            if (finest..=coarsest).contains(&edge) {
+                return Ok(());
+            }
+            let expected = format!(
+                "from {} to {} m for this outline (2 million triangles to 2)",
+                short(finest),
+                short(coarsest)
+            );
+            Err(("sheet.edge".into(), Problem::OutOfRange { expected }))
+        }
+    }
+}
+
+fn outline(scene: &Scene) -> Result<(), Conflict> {
+    match scene.sheet.outline {
+        Outline::Annulus { outer, inner } if inner >= outer => conflict(
+            "sheet.outline.inner",
+            format!("must be less than sheet.outline.outer = {outer} m"),
+        ),
+        _ => Ok(()),
+    }
+}
+
+fn fabric(scene: &Scene) -> Result<(), Conflict> {
+    match scene.fabric.resolve() {
+        Ok(_) => Ok(()),
+        Err(error) => Err((format!("fabric.{}", error.field()), error.into())),
+    }
+}
+
+fn supports(scene: &Scene) -> Result<(), Conflict> {
+    let outline = &scene.sheet.outline;
+    for (name, support) in &scene.support {
+        let key = |field: &str| format!("support.{name}.region{field}");
+        match support.region {
+            Region::XMin | Region::XMax | Region::YMin | Region::YMax => {
+                if !matches!(outline, Outline::Rectangle { .. }) {
+                    let reason = "only a rectangle has this side; use boundary, box, disc or point";
+                    return conflict(key(".kind"), reason);
+                }
+            }
+            Region::Box { min, max } => {
+                let half = outline.half_extent();
+                if !(0..2).all(|i| min[i] <= max[i]) {
+                    return conflict(key(".min"), "must not exceed max in x or y");
+                }
+                if !(0..2).all(|i| min[i] <= half[i] && max[i] >= -half[i]) {
+                    return conflict(key(""), "the box lies outside the sheet");
+                }
+            }
+            Region::Point { at } if !outline.contains(&at) => {
+                return conflict(key(".at"), "the point lies outside the sheet");
+            }
+            Region::Point { .. } | Region::Boundary | Region::Disc { .. } => {}
+        }
+    }
+    Ok(())
+}
+
+fn observations(scene: &Scene) -> Result<(), Conflict> {
+    for (name, observe) in &scene.observe {
+        let outside = |point: &&[f64; 2]| !scene.sheet.outline.contains(point);
+        if let Some([x, y]) = observe.points.iter().find(outside) {
+            return conflict(
+                format!("observe.{name}.points"),
+                format!("the point [{x}, {y}] lies outside the sheet"),
+            );
+        }
+    }
+    Ok(())
+}
+
+fn times(scene: &Scene) -> Result<(), Conflict> {
+    let dt = scene.method.dt;
+    if scene.duration < dt {
+        return conflict(
+            "duration",
+            format!("must be at least one step: method.dt = {} s", short(dt)),
+        );
+    }
+    // One part in a million: 1 / (1 / 3) is not 3.
+    if scene.output.rate * dt > 1.0 + 1e-6 {
+        let expected = format!(
+            "at most 1/method.dt = {} Hz, one output per step",
+            short(1.0 / dt)
+        );
+        return Err(("output.rate".into(), Problem::OutOfRange { expected }));
+    }
+    Ok(())
+}

@@ -1,0 +1,23 @@
+//! The built-in scenes, embedded so that the binary runs with nothing beside it.
+
+/// Name and text of each, in the order of `toile list scenes`.
+const SCENES: [(&str, &str); 5] = [
+    ("drape-table", include_str!("library/drape-table.toml")),
+    ("free-fall", include_str!("library/free-fall.toml")),
+    ("cantilever", include_str!("library/cantilever.toml")),
+    ("four-edges", include_str!("library/four-edges.toml")),
+    ("strip-release", include_str!("library/strip-release.toml")),
+];
+
+/// Names of the built-in scenes.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    SCENES.iter().map(|(name, _)| *name)
+}
+
+/// The TOML of a built-in scene, comments and all.
+pub fn text(name: &str) -> Option<&'static str> {
+    SCENES
+        .iter()
+        .find(|(known, _)| *known == name)
+        .map(|(_, text)| *text)
+}

@@ -1,0 +1,71 @@
+//! From model, state and report to encoded messages: each is encoded once, whoever carries it.
+
+use super::cdr::{CdrError, encode};
+use super::channels::{self, Channel};
+use super::messages::{rosgraph_msgs::Clock, std_msgs::String as Text};
+use super::{
+    Message, cloud, markers, nanoseconds, report, robot_description, stamp, topology, transforms,
+};
+use crate::contact::Obstacle;
+use crate::sim::{Model, State, StepReport};
+
+/// One encoded message on its way to every carrier.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Packet {
+    /// Where it goes.
+    pub channel: &'static Channel,
+    /// Simulated time since the start of the run \[ns\].
+    pub stamp: u64,
+    /// CDR with its encapsulation header.
+    pub bytes: Vec<u8>,
+}
+
+fn packet<M: Message>(
+    channel: &'static Channel,
+    time: f64,
+    message: &M,
+) -> Result<Packet, CdrError> {
+    debug_assert_eq!(channel.message.name, M::TYPE.name);
+    Ok(Packet {
+        channel,
+        stamp: nanoseconds(time),
+        bytes: encode(message)?,
+    })
+}
+
+/// What is said once, before the first state: mesh and shapes.
+pub fn preamble(model: &Model, obstacles: &[Obstacle]) -> Result<Vec<Packet>, CdrError> {
+    let urdf = Text {
+        data: robot_description(obstacles),
+    };
+    Ok(vec![
+        packet(&channels::TOPOLOGY, 0.0, &topology(&model.mesh))?,
+        packet(&channels::ROBOT_DESCRIPTION, 0.0, &urdf)?,
+    ])
+}
+
+/// What is said of one state, with the surface if `with_mesh`.
+pub fn instant(
+    model: &Model,
+    state: &State,
+    step: &StepReport,
+    with_mesh: bool,
+) -> Result<Vec<Packet>, CdrError> {
+    let time = step.time;
+    let clock = Clock { clock: stamp(time) };
+    let mut packets = vec![packet(&channels::CLOCK, time, &clock)?];
+    if !state.obstacles.is_empty() {
+        packets.push(packet(
+            &channels::TF,
+            time,
+            &transforms(&state.obstacles, time),
+        )?);
+    }
+    packets.push(packet(&channels::STATE, time, &cloud::encode(state, time))?);
+    packets.push(packet(&channels::REPORT, time, &report(model, step))?);
+    if with_mesh {
+        let surface = markers(&model.mesh, &state.positions, time);
+        packets.push(packet(&channels::MESH, time, &surface)?);
+    }
+    Ok(packets)
+}

@@ -1,0 +1,464 @@
+//! Message structs against their definitions: an independent decoder follows the schema text through the bytes
+//! that the structs encode to.
+
+use std::collections::BTreeMap;
+
+use toile::contact::{Obstacle, Pose, Shape, Velocity};
+use toile::wire::cdr::{self, CdrError};
+use toile::wire::messages::{
+    self, builtin_interfaces::Time, geometry_msgs, sensor_msgs, std_msgs, tf2_msgs, toile_msgs,
+    visualization_msgs,
+};
+use toile::wire::{Message, channels, robot_description};
+
+/// Fields of a definition: type and name.
+type Fields = Vec<(String, String)>;
+
+/// The definitions in a concatenated schema, by `package/Name`, the root's first.
+fn parse(name: &str, schema: &str) -> (String, BTreeMap<String, Fields>) {
+    let root = name.replace("/msg/", "/");
+    let separator = "=".repeat(80);
+    let mut definitions = BTreeMap::new();
+    for (index, part) in schema.split(&format!("{separator}\n")).enumerate() {
+        let (name, body) = match index {
+            0 => (root.clone(), part),
+            _ => {
+                let (head, body) = part.split_once('\n').expect("MSG line");
+                (head.strip_prefix("MSG: ").expect("MSG:").to_string(), body)
+            }
+        };
+        assert!(definitions.insert(name, fields(body)).is_none(), "twice");
+    }
+    (root, definitions)
+}
+
+fn fields(body: &str) -> Fields {
+    let lines = body.lines().filter_map(|l| l.split('#').next());
+    let words = lines.map(|l| l.split_whitespace().collect::<Vec<_>>());
+    words
+        .filter(|w| w.len() >= 2 && !w[1].contains('=') && w.get(2) != Some(&"="))
+        .map(|w| (w[0].to_string(), w[1].to_string()))
+        .collect()
+}
+
+/// Walks CDR bytes by a schema alone and prints what it meets.
+struct Walker<'a> {
+    definitions: BTreeMap<String, Fields>,
+    body: &'a [u8],
+    at: usize,
+    seen: Vec<String>,
+}
+
+impl Walker<'_> {
+    fn take(&mut self, size: usize) -> u64 {
+        self.at = self.at.next_multiple_of(size);
+        let mut value = [0; 8];
+        value[..size].copy_from_slice(&self.body[self.at..self.at + size]);
+        self.at += size;
+        u64::from_le_bytes(value)
+    }
+
+    fn value(&mut self, kind: &str, package: &str, path: &str) {
+        if let Some((element, count)) = kind.strip_suffix(']').and_then(|k| k.split_once('[')) {
+            let count = match count.parse() {
+                Ok(fixed) => fixed,
+                Err(_) => self.take(4),
+            };
+            (0..count).for_each(|i| self.value(element, package, &format!("{path}[{i}]")));
+            return;
+        }
+        let shown = match kind {
+            "bool" | "uint8" | "int8" | "byte" => self.take(1).to_string(),
+            "int16" | "uint16" => self.take(2).to_string(),
+            "int32" | "uint32" => self.take(4).to_string(),
+            "int64" | "uint64" => self.take(8).to_string(),
+            "float32" => f32::from_bits(self.take(4) as u32).to_string(),
+            "float64" => f64::from_bits(self.take(8)).to_string(),
+            "string" => {
+                let length = self.take(4) as usize;
+                let text = &self.body[self.at..self.at + length - 1];
+                assert_eq!(self.body[self.at + length - 1], 0);
+                self.at += length;
+                String::from_utf8(text.to_vec()).expect("UTF-8")
+            }
+            nested => return self.nested(nested, package, path),
+        };
+        self.seen.push(format!("{path} = {shown}"));
+    }
+
+    fn nested(&mut self, kind: &str, package: &str, path: &str) {
+        let kind = match (kind, kind.contains('/')) {
+            ("Header", _) => "std_msgs/Header".to_string(),
+            (_, true) => kind.to_string(),
+            (_, false) => format!("{package}/{kind}"),
+        };
+        let package = kind.split('/').next().expect("a package").to_string();
+        for (kind, name) in self.definitions[&kind].clone() {
+            self.value(&kind, &package, &format!("{path}.{name}"));
+        }
+    }
+}
+
+/// What an independent reader sees in an encoded message; it must use up every byte.
+fn walk<M: Message>(message: &M) -> Vec<String> {
+    let bytes = cdr::encode(message).expect("encodes");
+    let (root, definitions) = parse(M::TYPE.name, M::TYPE.schema);
+    let mut walker = Walker {
+        definitions,
+        body: &bytes[4..],
+        at: 0,
+        seen: vec![],
+    };
+    let package = root.split('/').next().expect("a package").to_string();
+    walker.nested(&root, &package, "");
+    assert_eq!(
+        walker.at,
+        walker.body.len(),
+        "{}: bytes left over",
+        M::TYPE.name
+    );
+    walker.seen
+}
+
+/// Paths of all values in a struct, as serde sees them.
+fn serde_fields<M: Message>(message: &M) -> Vec<String> {
+    fn leaves(value: &serde_json::Value, path: &str, out: &mut Vec<String>) {
+        match value {
+            serde_json::Value::Object(map) => {
+                map.iter()
+                    .for_each(|(k, v)| leaves(v, &format!("{path}.{k}"), out));
+            }
+            serde_json::Value::Array(items) => {
+                let items = items.iter().enumerate();
+                items.for_each(|(i, v)| leaves(v, &format!("{path}[{i}]"), out));
+            }
+            _ => out.push(path.to_string()),
+        }
+    }
+    let mut out = vec![];
+    leaves(&serde_json::to_value(message).expect("json"), "", &mut out);
+    out.sort();
+    out
+}
+
+fn assert_mirrors<M: Message + PartialEq + std::fmt::Debug>(message: &M) {
+    let seen = walk(message);
+    let mut names: Vec<_> = seen
+        .iter()
+        .map(|s| s.split(" = ").next().unwrap_or_default())
+        .collect();
+    names.sort_unstable();
+    assert_eq!(names, serde_fields(message), "{}", M::TYPE.name);
+    let bytes = cdr::encode(message).expect("encodes");
+    assert_eq!(cdr::decode::<M>(&bytes).as_ref(), Ok(message));
+}
+
+fn header() -> std_msgs::Header {
+    std_msgs::Header {
+        stamp: Time { sec: 3, nanosec: 7 },
+        frame_id: "world".into(),
+    }
+}
+
+fn sample_report() -> toile_msgs::StepReport {
+    toile_msgs::StepReport {
+        header: header(),
+        step: 5,
+        time: 0.25,
+        dt: 0.05,
+        energies: toile_msgs::Energies {
+            kinetic: 1.5,
+            supports: -2.0,
+            ..Default::default()
+        },
+        work: toile_msgs::Work {
+            substeps: 1,
+            halvings: 9,
+            ..Default::default()
+        },
+        converged: true,
+        contacts: 4,
+        digest: 0x0123_4567_89ab_cdef,
+        neglect_flags: vec!["drag".into()],
+        reading_names: vec!["corner".into(), "tip".into()],
+        reading_values: vec![-0.042, 0.5],
+        carrier_names: vec!["shm".into()],
+        carrier_dropped: vec![2],
+        ..Default::default()
+    }
+}
+
+#[test]
+fn structs_mirror_their_definitions() {
+    assert_mirrors(&sample_report());
+    assert_mirrors(&toile_msgs::MeshTopology {
+        header: header(),
+        triangles: vec![0, 1, 2],
+        outline: vec![0.0, 0.5, 1.0],
+        material: vec![0.25],
+    });
+    assert_mirrors(&sensor_msgs::PointCloud2 {
+        header: header(),
+        fields: vec![sensor_msgs::PointField {
+            name: "x".into(),
+            count: 1,
+            ..Default::default()
+        }],
+        data: vec![1, 2, 3],
+        width: 9,
+        ..Default::default()
+    });
+    assert_mirrors(&visualization_msgs::MarkerArray {
+        markers: vec![visualization_msgs::Marker {
+            points: vec![
+                geometry_msgs::Point {
+                    x: 1.0,
+                    y: 2.0,
+                    z: 3.0
+                };
+                2
+            ],
+            colors: vec![std_msgs::ColorRGBA::default()],
+            text: "text".into(),
+            ..Default::default()
+        }],
+    });
+    assert_mirrors(&tf2_msgs::TFMessage {
+        transforms: vec![geometry_msgs::TransformStamped {
+            child_frame_id: "table".into(),
+            ..Default::default()
+        }],
+    });
+    assert_mirrors(&messages::rosgraph_msgs::Clock {
+        clock: Time { sec: 1, nanosec: 2 },
+    });
+    assert_mirrors(&std_msgs::String {
+        data: "text".into(),
+    });
+}
+
+#[test]
+fn an_independent_reader_sees_the_values() {
+    let seen = walk(&sample_report());
+    for expected in [
+        ".header.stamp.nanosec = 7",
+        ".energies.supports = -2",
+        ".work.halvings = 9",
+        ".converged = 1",
+        ".digest = 81985529216486895",
+        ".reading_names[1] = tip",
+        ".reading_values[0] = -0.042",
+    ] {
+        assert!(
+            seen.iter().any(|s| s == expected),
+            "{expected} not in {seen:#?}"
+        );
+    }
+}
+
+#[test]
+fn every_schema_is_complete_and_every_field_of_ours_has_a_unit() {
+    for message in messages::ALL {
+        let (root, definitions) = parse(message.name, message.schema);
+        assert!(!definitions[&root].is_empty(), "{root} has no fields");
+        assert!(message.hash.starts_with("RIHS01_") && message.hash.len() == 71);
+        if root.starts_with("toile_msgs") {
+            let own = message.schema.split("====").next().unwrap_or_default();
+            let fields = own
+                .lines()
+                .filter(|l| !l.trim().is_empty() && !l.starts_with('#'));
+            for line in fields {
+                let comment = line.split_once('#').map(|(_, c)| c).unwrap_or_default();
+                let has_unit = comment.contains('[') && comment.contains(']');
+                let described_elsewhere = line.starts_with("std_msgs/Header");
+                assert!(has_unit || described_elsewhere, "no unit in {root}: {line}");
+            }
+        }
+    }
+}
+
+#[test]
+fn cmake_lists_every_message() {
+    let root = env!("CARGO_MANIFEST_DIR");
+    let cmake = std::fs::read_to_string(format!("{root}/msgs/CMakeLists.txt")).expect("read");
+    for file in std::fs::read_dir(format!("{root}/msgs/msg")).expect("list") {
+        let name = file
+            .expect("entry")
+            .file_name()
+            .into_string()
+            .expect("UTF-8");
+        assert!(
+            cmake.contains(&format!("\"msg/{name}\"")),
+            "{name} is not in CMakeLists.txt"
+        );
+    }
+}
+
+/// Hashes as ROS 2 Jazzy computes them (all cross-checked with `rosbags`, an independent implementation); those of
+/// our own types change when their definition does, and then every recorded file is of another type.
+#[test]
+fn regress_type_hashes() {
+    for (name, hash) in [
+        (
+            "rosgraph_msgs/msg/Clock",
+            "692f7a66e93a3c83e71765d033b60349ba68023a8c689a79e48078bcb5c58564",
+        ),
+        (
+            "sensor_msgs/msg/PointCloud2",
+            "9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5",
+        ),
+        (
+            "std_msgs/msg/String",
+            "df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18",
+        ),
+        (
+            "tf2_msgs/msg/TFMessage",
+            "e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087",
+        ),
+        (
+            "toile_msgs/msg/Energies",
+            "c7d3c5831e114f12e0700adf8a9d8d73053c906f49254a1cc25c6116a0c7f9cb",
+        ),
+        (
+            "toile_msgs/msg/MeshTopology",
+            "8c1be00df3acb7f82fff74940f425cee3857f8300a5f813f207dfd53022e3b18",
+        ),
+        (
+            "toile_msgs/msg/StepReport",
+            "ff0a8aeb2f6d643c19f5c79e623005eadaad31f586e6701bc5b1f939a7f7d137",
+        ),
+        (
+            "toile_msgs/msg/Work",
+            "66957c6645178647f408e9ff4537602be2f6bf1d6b7e74f6e84885f4c9ecde1e",
+        ),
+        (
+            "visualization_msgs/msg/MarkerArray",
+            "86cb8800b6fb05b5eff1abd7a56f62a5641d3ae9a1c29e78e67e704f1d067dcf",
+        ),
+    ] {
+        let found = messages::ALL.iter().find(|m| m.name == name);
+        assert_eq!(
+            found.expect("known").hash,
+            format!("RIHS01_{hash}"),
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn cdr_bytes_are_pinned() {
+    let report = std_msgs::Header {
+        stamp: Time { sec: 1, nanosec: 2 },
+        frame_id: "ab".into(),
+    };
+    let bytes = cdr::encode(&report).expect("encodes");
+    let expected = [
+        0, 1, 0, 0, // encapsulation: CDR, little endian
+        1, 0, 0, 0, // sec
+        2, 0, 0, 0, // nanosec
+        3, 0, 0, 0, b'a', b'b', 0, // length with the terminator, text
+    ];
+    assert_eq!(bytes, expected);
+}
+
+#[test]
+fn cdr_aligns_to_the_body() {
+    let cloud = sensor_msgs::PointField {
+        name: "x".into(),
+        offset: 4,
+        datatype: 7,
+        count: 1,
+    };
+    let bytes = cdr::encode(&cloud).expect("encodes");
+    let expected = [
+        0, 1, 0, 0, 2, 0, 0, 0, b'x', 0, 0, 0, 4, 0, 0, 0, 7, 0, 0, 0, 1, 0, 0, 0,
+    ];
+    assert_eq!(bytes, expected);
+}
+
+#[test]
+fn bad_bytes_are_refused() {
+    let good = cdr::encode(&sample_report()).expect("encodes");
+    for cut in 0..good.len() {
+        assert!(
+            cdr::decode::<toile_msgs::StepReport>(&good[..cut]).is_err(),
+            "cut at {cut}"
+        );
+    }
+    let parameter_list = [0, 3, 0, 0];
+    let refused = cdr::decode::<Time>(&parameter_list);
+    assert!(matches!(refused, Err(CdrError::Encapsulation { .. })));
+    let absurd = [0, 1, 0, 0, 255, 255, 255, 255, 0];
+    assert!(cdr::decode::<std_msgs::String>(&absurd).is_err());
+    assert!(cdr::decode::<tf2_msgs::TFMessage>(&absurd).is_err());
+}
+
+fn urdf(shape: Shape) -> String {
+    let obstacle = Obstacle {
+        name: "thing".into(),
+        shape,
+        pose: Pose::identity(),
+        velocity: Velocity::default(),
+        friction: 0.0,
+    };
+    robot_description(&[obstacle])
+}
+
+#[test]
+fn urdf_of_each_shape() {
+    let cases = [
+        (
+            Shape::Plane,
+            vec!["0 0 -0.005\" rpy=\"0 0 0\"/><geometry><box size=\"2 2 0.01\"/>"],
+        ),
+        (
+            Shape::Box {
+                size: [0.1, 0.2, 0.3],
+            },
+            vec!["<box size=\"0.1 0.2 0.3\"/>"],
+        ),
+        (
+            Shape::Sphere { radius: 0.05 },
+            vec!["<sphere radius=\"0.05\"/>"],
+        ),
+        (
+            Shape::Disc { radius: 0.09 },
+            vec!["<cylinder radius=\"0.09\" length=\"0.0002\"/>"],
+        ),
+        (
+            Shape::Cylinder {
+                radius: 0.02,
+                length: 0.5,
+            },
+            vec!["<cylinder radius=\"0.02\" length=\"0.5\"/>"],
+        ),
+        (
+            Shape::Capsule {
+                radius: 0.02,
+                length: 0.5,
+            },
+            vec![
+                "0 0 0\" rpy=\"0 0 0\"/><geometry><cylinder radius=\"0.02\" length=\"0.5\"/>",
+                "0 0 0.25\" rpy=\"0 0 0\"/><geometry><sphere radius=\"0.02\"/>",
+                "0 0 -0.25\" rpy=\"0 0 0\"/><geometry><sphere radius=\"0.02\"/>",
+            ],
+        ),
+    ];
+    for (shape, expected) in cases {
+        let xml = urdf(shape.clone());
+        assert_eq!(xml.matches("<visual>").count(), expected.len(), "{shape:?}");
+        for part in expected {
+            assert!(xml.contains(part), "{shape:?}: no {part} in {xml}");
+        }
+        assert!(xml.contains("<parent link=\"world\"/><child link=\"thing\"/>"));
+    }
+}
+
+#[test]
+fn channels_are_unique_and_typed() {
+    for (i, channel) in channels::ALL.iter().enumerate() {
+        assert!(channels::ALL[..i].iter().all(|c| c.topic != channel.topic));
+        assert!(messages::ALL.contains(&channel.message));
+        assert!(channel.qos.offered_profiles().starts_with("- history: 1\n"));
+    }
+}
