@@ -6,7 +6,7 @@
 use nalgebra::Vector3;
 
 use super::distance::Distance;
-use super::obstacle::Obstacle;
+use super::obstacle::{Obstacle, Shape};
 use crate::sheet::Mesh;
 
 /// A point of the sheet near an obstacle.
@@ -47,8 +47,12 @@ impl Proximity {
 
 /// Fraction of an edge (or of a face's height) over which the share fades to zero.
 const FADE: f64 = 0.2;
-/// Bisections of an edge: 1e-9 of its length.
+/// Bisections across a face: 1e-9 of its width.
 const BISECTIONS: usize = 30;
+/// Most steps of a line minimisation.
+const ITERATIONS: usize = 60;
+/// Slope of the distance, or fraction of the line, at which a line minimisation stops.
+const FLAT: f64 = 1e-9;
 
 /// Precomputed incidence for [`detect`].
 #[derive(Clone, Debug)]
@@ -74,72 +78,158 @@ impl Features {
     }
 }
 
-/// Appends every point of the sheet that is nearest to `obstacle` on its feature and closer than `reach`.
-/// Order: vertices, edges, faces, each by index.
+/// Features of the sheet that can come closer to an obstacle than a reach: all that [`detect`] must look at.
+#[derive(Clone, Debug, Default)]
+pub struct Nearby {
+    /// Vertices near, and all ends of the edges and corners of the faces below.
+    vertices: Vec<u32>,
+    edges: Vec<u32>,
+    faces: Vec<u32>,
+    /// Where the ends of the edges stand in `vertices`.
+    edge_slots: Vec<[u32; 2]>,
+    /// Where the corners of the faces stand in `vertices`.
+    face_slots: Vec<[u32; 3]>,
+}
+
+/// Distance and normal in the obstacle's frame.
+type First = (f64, Vector3<f64>);
+
+impl Nearby {
+    /// Collects the features that may be closer to `body` than `reach`; distance has Lipschitz constant 1.
+    pub fn find(mesh: &Mesh, positions: &[Vector3<f64>], body: &Obstacle, reach: f64) -> Self {
+        let value = |x: &Vector3<f64>| body.shape.first_order(&body.to_local(x)).0;
+        let values: Vec<f64> = positions.iter().map(value).collect();
+        let mut near: Vec<bool> = values.iter().map(|&value| value < reach).collect();
+        let position = |v: u32| positions[v as usize];
+        let is_near = |e: &u32| {
+            let [a, b] = mesh.edges[*e as usize];
+            let length = (position(b) - position(a)).norm();
+            0.5 * (values[a as usize] + values[b as usize] - length) < reach
+        };
+        let edges: Vec<u32> = (0..mesh.edges.len() as u32).filter(is_near).collect();
+        let is_near = |f: &u32| {
+            let [a, b, c] = mesh.faces[*f as usize];
+            let centre = (position(a) + position(b) + position(c)) / 3.0;
+            let radius = [a, b, c].map(|v| (position(v) - centre).norm());
+            let radius = radius[0].max(radius[1]).max(radius[2]);
+            let lowest = [a, b, c].map(|v| values[v as usize]);
+            lowest[0].min(lowest[1]).min(lowest[2]) - 2.0 * radius < reach
+                && value(&centre) - radius < reach
+        };
+        let faces: Vec<u32> = (0..mesh.faces.len() as u32).filter(is_near).collect();
+        for &e in &edges {
+            mesh.edges[e as usize]
+                .iter()
+                .for_each(|&v| near[v as usize] = true);
+        }
+        for &f in &faces {
+            mesh.faces[f as usize]
+                .iter()
+                .for_each(|&v| near[v as usize] = true);
+        }
+        let vertices: Vec<u32> = (0..near.len() as u32)
+            .filter(|&v| near[v as usize])
+            .collect();
+        let slot = |v: u32| vertices.binary_search(&v).expect("every end is listed") as u32;
+        let edge_slots = edges
+            .iter()
+            .map(|&e| mesh.edges[e as usize].map(slot))
+            .collect();
+        let face_slots = faces
+            .iter()
+            .map(|&f| mesh.faces[f as usize].map(slot))
+            .collect();
+        Self {
+            vertices,
+            edges,
+            faces,
+            edge_slots,
+            face_slots,
+        }
+    }
+}
+
+/// Appends every point of the sheet that is nearest to `obstacle` on its feature and closer than `reach`, among
+/// the features `nearby`. Order: vertices, edges, faces, each by index.
 pub fn detect(
     mesh: &Mesh,
     features: &Features,
     positions: &[Vector3<f64>],
     obstacle: (u32, &Obstacle),
+    nearby: &Nearby,
     reach: f64,
     found: &mut Vec<Proximity>,
 ) {
     let (index, body) = obstacle;
-    let values: Vec<Distance> = positions.iter().map(|x| body.distance(x)).collect();
-    let key = |kind: u64, feature: usize| (u64::from(index) << 40) | (kind << 36) | feature as u64;
-    for (v, distance) in values.iter().enumerate().filter(|(_, d)| d.value < reach) {
-        let (face, corner) = features.vertex[v];
-        let mut weights = [0.0; 3];
-        weights[corner as usize] = 1.0;
+    let local: Vec<Vector3<f64>> = nearby
+        .vertices
+        .iter()
+        .map(|&v| body.to_local(&positions[v as usize]))
+        .collect();
+    let values: Vec<First> = local.iter().map(|p| body.shape.first_order(p)).collect();
+    let key =
+        |kind: u64, feature: u32| (u64::from(index) << 40) | (kind << 36) | u64::from(feature);
+    let mut add = |key, face, weights, share, at: &Vector3<f64>| {
+        let distance = body.to_world(&body.shape.distance(at));
         found.push(Proximity {
-            key: key(0, v),
+            key,
             obstacle: index,
             face,
             weights,
-            share: 1.0,
-            distance: *distance,
-        });
-    }
-    for (e, ends) in mesh.edges.iter().enumerate() {
-        let [a, b] = ends.map(|v| v as usize);
-        let Some((t, distance)) = within_edge(
-            body,
-            [positions[a], positions[b]],
-            [&values[a], &values[b]],
-            reach,
-        ) else {
-            continue;
-        };
-        let (face, corner) = features.edge[e];
-        let mut weights = [0.0; 3];
-        for k in 0..3 {
-            if k != corner as usize {
-                let at_a = mesh.faces[face as usize][k] as usize == a;
-                weights[k] = if at_a { 1.0 - t } else { t };
-            }
-        }
-        found.push(Proximity {
-            key: key(1, e),
-            obstacle: index,
-            face,
-            weights,
-            share: fade(t.min(1.0 - t)),
+            share,
             distance,
         });
+    };
+    for (i, &v) in nearby.vertices.iter().enumerate() {
+        if values[i].0 < reach {
+            let (face, corner) = features.vertex[v as usize];
+            let mut weights = [0.0; 3];
+            weights[corner as usize] = 1.0;
+            add(key(0, v), face, weights, 1.0, &local[i]);
+        }
     }
-    for (f, face) in mesh.faces.iter().enumerate() {
-        let corners = face.map(|v| positions[v as usize]);
-        let ends = face.map(|v| &values[v as usize]);
-        if let Some((weights, distance)) = within_face(body, &corners, ends, reach) {
+    // Minima of the edges, kept for the faces that they bound.
+    let minima: Vec<Option<(f64, First)>> = nearby
+        .edge_slots
+        .iter()
+        .map(|slots| {
+            let [a, b] = slots.map(|i| i as usize);
+            within_edge(
+                &body.shape,
+                [local[a], local[b]],
+                [&values[a], &values[b]],
+                reach,
+            )
+        })
+        .collect();
+    let edges = nearby.edges.iter().zip(&nearby.edge_slots).zip(&minima);
+    for ((&e, slots), minimum) in edges {
+        let Some((t, _)) = minimum.filter(|(_, first)| first.0 < reach) else {
+            continue;
+        };
+        let ends = slots.map(|i| local[i as usize]);
+        let (face, corner) = features.edge[e as usize];
+        let mut weights = [0.0; 3];
+        for k in (0..3).filter(|&k| k != corner as usize) {
+            let at_a = mesh.faces[face as usize][k] == mesh.edges[e as usize][0];
+            weights[k] = if at_a { 1.0 - t } else { t };
+        }
+        let at = ends[0] + (ends[1] - ends[0]) * t;
+        add(key(1, e), face, weights, fade(t.min(1.0 - t)), &at);
+    }
+    for (&f, slots) in nearby.faces.iter().zip(&nearby.face_slots) {
+        let corners = slots.map(|i| local[i as usize]);
+        let values = slots.map(|i| &values[i as usize]);
+        let rim = |k: usize| {
+            let e = mesh.face_edges[f as usize][k];
+            let (t, first) = minima[nearby.edges.binary_search(&e).ok()?]?;
+            let forward = mesh.edges[e as usize][0] == mesh.faces[f as usize][(k + 1) % 3];
+            Some((if forward { t } else { 1.0 - t }, first.1))
+        };
+        if let Some(weights) = within_face(&body.shape, &corners, values, rim, reach) {
             let nearest_side = weights.iter().fold(1.0, |m: f64, &w| m.min(w));
-            found.push(Proximity {
-                key: key(2, f),
-                obstacle: index,
-                face: f as u32,
-                weights,
-                share: fade(nearest_side),
-                distance,
-            });
+            let at = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
+            add(key(2, f), f, weights, fade(nearest_side), &at);
         }
     }
 }
@@ -149,83 +239,109 @@ fn fade(fraction: f64) -> f64 {
     s * s * (3.0 - 2.0 * s)
 }
 
-/// Minimum of the distance strictly inside an edge, if it is below `reach`.
+/// Minimum of the distance strictly inside an edge, at a fraction of the way; `None` also where it is surely out
+/// of reach.
 fn within_edge(
-    body: &Obstacle,
+    shape: &Shape,
     ends: [Vector3<f64>; 2],
-    values: [&Distance; 2],
+    values: [&First; 2],
     reach: f64,
-) -> Option<(f64, Distance)> {
-    let along = ends[1] - ends[0];
-    // Distance has Lipschitz constant 1: far edges need no search.
-    if 0.5 * (values[0].value + values[1].value - along.norm()) > reach {
+) -> Option<(f64, First)> {
+    // A convex function lies above its tangents.
+    let bound = |k: usize| values[k].0 + (values[k].1.dot(&(ends[1 - k] - ends[k]))).min(0.0);
+    if bound(0) > reach || bound(1) > reach {
         return None;
     }
-    if values[0].normal.dot(&along) >= 0.0 || values[1].normal.dot(&along) <= 0.0 {
+    minimum_on_line(shape, ends, values)
+}
+
+/// Minimum of the distance strictly between two points, at a fraction of the way: Newton kept inside a bracket.
+fn minimum_on_line(
+    shape: &Shape,
+    ends: [Vector3<f64>; 2],
+    values: [&First; 2],
+) -> Option<(f64, First)> {
+    let along = ends[1] - ends[0];
+    let slopes = values.map(|first| first.1.dot(&along));
+    if slopes[0] >= 0.0 || slopes[1] <= 0.0 {
         return None;
     }
     let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..BISECTIONS {
-        let middle = 0.5 * (low + high);
-        let slope = body
-            .distance(&(ends[0] + along * middle))
-            .normal
-            .dot(&along);
+    let mut t = slopes[0] / (slopes[0] - slopes[1]);
+    let mut distance = shape.distance(&(ends[0] + along * t));
+    for _ in 0..ITERATIONS {
+        let slope = distance.normal.dot(&along);
         if slope < 0.0 {
-            low = middle
+            low = t
         } else {
-            high = middle
+            high = t
         }
+        if slope.abs() <= FLAT * along.norm() || high - low <= FLAT {
+            break;
+        }
+        let newton = t - slope / along.dot(&(distance.curvature * along));
+        let inside = newton > low && newton < high;
+        t = if inside { newton } else { 0.5 * (low + high) };
+        distance = shape.distance(&(ends[0] + along * t));
     }
-    let t = 0.5 * (low + high);
-    let distance = body.distance(&(ends[0] + along * t));
-    (distance.value < reach).then_some((t, distance))
+    Some((t, (distance.value, distance.normal)))
 }
 
-/// Minimum of the distance strictly inside a face, if it is below `reach`.
+/// Minimum of the distance strictly inside a face, as barycentric weights, if it is below `reach`.
+///
+/// On a convex function a point of the rim from which no way into the face leads down is the minimum of the face,
+/// so only faces whose rim has no such point are searched.
+///
+/// `rim` gives the minimum of the side opposite to a corner, where known: the fraction of the way from the next
+/// corner, and the normal there.
 fn within_face(
-    body: &Obstacle,
+    shape: &Shape,
     corners: &[Vector3<f64>; 3],
-    values: [&Distance; 3],
+    values: [&First; 3],
+    rim: impl Fn(usize) -> Option<(f64, Vector3<f64>)>,
     reach: f64,
-) -> Option<([f64; 3], Distance)> {
-    let [a, b, c] = *corners;
-    let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
-    let lowest = values[0].value.min(values[1].value).min(values[2].value);
-    if lowest - longest > reach {
-        return None;
-    }
-    // Inside, the normal must turn: on one flat side of the obstacle it does not.
-    let turns = values[0].normal.dot(&values[1].normal) < 1.0 - 1e-12
-        || values[0].normal.dot(&values[2].normal) < 1.0 - 1e-12;
-    if !turns {
-        return None;
-    }
-    // Minimise over lines from side ab to c: the envelope is convex again.
-    let inner = |s: f64| {
-        let foot = a + (b - a) * s;
-        let (mut low, mut high) = (0.0, 1.0);
-        for _ in 0..BISECTIONS {
-            let middle = 0.5 * (low + high);
-            let slope = body
-                .distance(&(foot + (c - foot) * middle))
-                .normal
-                .dot(&(c - foot));
-            if slope < 0.0 {
-                low = middle
-            } else {
-                high = middle
-            }
+) -> Option<[f64; 3]> {
+    for k in 0..3 {
+        let (value, normal) = values[k];
+        let rise = |other: usize| normal.dot(&(corners[other] - corners[k]));
+        let least = rise((k + 1) % 3).min(rise((k + 2) % 3));
+        // Lowest of all at this corner, or, as a convex function lies above its tangents, out of reach.
+        if least >= 0.0 || value + least > reach {
+            return None;
         }
-        let t = 0.5 * (low + high);
-        let distance = body.distance(&(foot + (c - foot) * t));
-        (t, distance)
+    }
+    for k in 0..3 {
+        let [a, b] = [corners[(k + 1) % 3], corners[(k + 2) % 3]];
+        if let Some((t, normal)) = rim(k)
+            && normal.dot(&(corners[k] - a - (b - a) * t)) >= 0.0
+        {
+            return None;
+        }
+    }
+    let (weights, value) = minimum_inside(shape, corners);
+    let inside = weights.iter().all(|&w| w > 1e-6);
+    (inside && value < reach).then_some(weights)
+}
+
+/// Minimum over a face as the minimum over s of the minima on the lines from a + s (b - a) to c: the envelope of a
+/// convex function is convex.
+fn minimum_inside(shape: &Shape, corners: &[Vector3<f64>; 3]) -> ([f64; 3], f64) {
+    let [a, b, c] = *corners;
+    let at_c = shape.first_order(&c);
+    let on_line = |s: f64| {
+        let foot = a + (b - a) * s;
+        let at_foot = shape.first_order(&foot);
+        minimum_on_line(shape, [foot, c], [&at_foot, &at_c]).unwrap_or(if at_foot.0 < at_c.0 {
+            (0.0, at_foot)
+        } else {
+            (1.0, at_c)
+        })
     };
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..BISECTIONS {
         let middle = 0.5 * (low + high);
-        let (t, distance) = inner(middle);
-        let slope = distance.normal.dot(&(b - a)) * (1.0 - t);
+        let (t, (_, normal)) = on_line(middle);
+        let slope = normal.dot(&(b - a)) * (1.0 - t);
         if slope < 0.0 {
             low = middle
         } else {
@@ -233,8 +349,6 @@ fn within_face(
         }
     }
     let s = 0.5 * (low + high);
-    let (t, distance) = inner(s);
-    let weights = [(1.0 - s) * (1.0 - t), s * (1.0 - t), t];
-    let inside = weights.iter().all(|&w| w > 1e-6);
-    (inside && distance.value < reach).then_some((weights, distance))
+    let (t, (value, _)) = on_line(s);
+    ([(1.0 - s) * (1.0 - t), s * (1.0 - t), t], value)
 }

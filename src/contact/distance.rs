@@ -21,8 +21,16 @@ const TINY: f64 = 1e-12;
 impl Obstacle {
     /// Distance from a point in the world.
     pub fn distance(&self, point: &Vector3<f64>) -> Distance {
-        let local = self.pose.inverse_transform_point(&(*point).into()).coords;
-        let d = self.shape.distance(&local);
+        self.to_world(&self.shape.distance(&self.to_local(point)))
+    }
+
+    /// A point of the world in the obstacle's frame.
+    pub(super) fn to_local(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        self.pose.inverse_transform_point(&(*point).into()).coords
+    }
+
+    /// A distance found in the obstacle's frame, with its derivatives turned to the world's.
+    pub(super) fn to_world(&self, d: &Distance) -> Distance {
         let turn = self.pose.rotation.to_rotation_matrix();
         Distance {
             value: d.value,
@@ -33,7 +41,14 @@ impl Obstacle {
 }
 
 impl Shape {
+    /// Value and normal alone: the compiler drops the rest of [`Shape::distance`].
+    pub(super) fn first_order(&self, p: &Vector3<f64>) -> (f64, Vector3<f64>) {
+        let d = self.distance(p);
+        (d.value, d.normal)
+    }
+
     /// Distance from a point in the shape's frame. All shapes are convex, so the value is a convex function.
+    #[inline(always)]
     pub fn distance(&self, p: &Vector3<f64>) -> Distance {
         match *self {
             Self::Plane => flat(p.z, Vector3::z()),
@@ -56,10 +71,12 @@ impl Shape {
     }
 }
 
+#[inline(always)]
 fn across_z() -> Matrix3<f64> {
     Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 0.0))
 }
 
+#[inline(always)]
 fn flat(value: f64, normal: Vector3<f64>) -> Distance {
     let curvature = Matrix3::zeros();
     Distance {
@@ -70,6 +87,7 @@ fn flat(value: f64, normal: Vector3<f64>) -> Distance {
 }
 
 /// Distance |d| - radius, where `free` projects on the directions in which d changes with the point.
+#[inline(always)]
 fn round(d: &Vector3<f64>, radius: f64, free: &Matrix3<f64>) -> Distance {
     let length = d.norm();
     if length < TINY {
@@ -83,6 +101,7 @@ fn round(d: &Vector3<f64>, radius: f64, free: &Matrix3<f64>) -> Distance {
     }
 }
 
+#[inline(always)]
 fn cuboid(p: &Vector3<f64>, half: &Vector3<f64>) -> Distance {
     let sign = p.map(|c| if c < 0.0 { -1.0 } else { 1.0 });
     let q = p.abs() - half;
@@ -102,6 +121,7 @@ fn cuboid(p: &Vector3<f64>, half: &Vector3<f64>) -> Distance {
 }
 
 /// Cylinder about z of half length `half`; with `half` zero, a disc with two sides.
+#[inline(always)]
 fn cylinder(p: &Vector3<f64>, radius: f64, half: f64) -> Distance {
     let rho = p.x.hypot(p.y);
     let radial = if rho > TINY {

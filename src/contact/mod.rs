@@ -4,6 +4,6 @@ mod detect;
 mod distance;
 mod obstacle;
 
-pub use detect::{Features, Proximity, detect};
+pub use detect::{Features, Nearby, Proximity, detect};
 pub use distance::Distance;
 pub use obstacle::{Obstacle, Pose, Shape, Velocity};

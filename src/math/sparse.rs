@@ -90,20 +90,4 @@ impl Pattern {
             rows: columns.concat(),
         }
     }
-
-    /// y += A x for the symmetric matrix with these `values`.
-    pub fn multiply_add(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
-        for column in 0..self.size() {
-            let range =
-                self.column_starts[column] as usize..self.column_starts[column + 1] as usize;
-            let x_column = x[column];
-            let mut sum = values[range.start] * x_column;
-            for k in range.start + 1..range.end {
-                let row = self.rows[k] as usize;
-                y[row] += values[k] * x_column;
-                sum += values[k] * x[row];
-            }
-            y[column] += sum;
-        }
-    }
 }

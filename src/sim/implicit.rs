@@ -52,11 +52,6 @@ impl Implicit {
         }
     }
 
-    /// Stored entries of the factor.
-    pub fn factor_entries(&self) -> usize {
-        self.cholesky.factor_entries()
-    }
-
     /// Solves the equations of one step of `dt` from `state`.
     pub fn solve(
         &mut self,
@@ -165,8 +160,11 @@ impl StepProblem<'_> {
                 + model.gravity.gradient(v, &[x])[0];
         }
         if let Some(law) = &model.contact {
-            self.touch.find(model, law, self.nodes, &self.before);
-            self.touch.gradient(model, law, self.nodes, self.forces);
+            let positions = &self.nodes[..model.masses.len()];
+            self.touch.find(model, law, positions, &self.before, None);
+            for (v, push) in self.touch.pushes(model, law, self.nodes) {
+                self.forces[v as usize] -= push;
+            }
         }
     }
 

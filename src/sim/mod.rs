@@ -4,6 +4,7 @@ mod assembly;
 mod dofs;
 mod implicit;
 mod integrate;
+mod kernel;
 mod measure;
 mod model;
 mod report;

@@ -5,12 +5,16 @@ use nalgebra::Vector3;
 use super::implicit::{Implicit, Solved};
 use super::integrate::Rule;
 use super::integrate::explicit::{Explicit, SAFETY};
+use super::kernel::{Kernel, Lanes, add, lanes, vector};
 use super::measure;
 use super::model::Model;
 use super::report::StepReport;
+use super::slopes::SlopeSolver;
 use super::state::{History, State};
 use super::touch::{Before, Touch};
 use crate::math::newton::Limits;
+use crate::math::sparse::NO_SLOT;
+use crate::physics::Potential;
 use crate::scene::{FabricError, Scene};
 
 /// Why a simulation could not be built.
@@ -61,12 +65,14 @@ const MOST_FLOW_STEPS: u64 = 400;
 const LEAST_FLOW_STEP: f64 = 1e-6;
 /// Flow step at which inertia no longer counts \[s\].
 const STIFFEST_FLOW_STEP: f64 = 100.0;
+/// Distance from the origin beyond which a vertex counts as lost \[m\].
+const FAR: f64 = 1e6;
 /// Smallest part of a step that is tried: 1/64.
 const TICKS: u32 = 64;
 
 enum Engine {
     Implicit(Rule, Box<Implicit>),
-    Explicit { substep: f64 },
+    Explicit(Box<Explicit>, f64),
 }
 
 /// A model with its state.
@@ -74,7 +80,6 @@ pub struct Simulation {
     pub(super) model: Model,
     pub(super) state: State,
     pub(super) report: StepReport,
-    pub(super) explicit: Explicit,
     engine: Engine,
 }
 
@@ -83,16 +88,15 @@ impl Simulation {
     pub fn new(scene: &Scene, threads: usize) -> Result<Self, Refused> {
         let fabric = scene.fabric.resolve()?;
         let model = Model::new(scene, fabric);
-        let mut explicit = Explicit::new(&model, threads);
-        let mut nodes = model.start();
-        explicit.relax(&model, &mut nodes);
+        let (state, touch) = start(&model);
         let engine = match Rule::of(&scene.method) {
             Some(rule) => Engine::Implicit(rule, Box::new(Implicit::new(&model, threads))),
-            None => Engine::Explicit {
-                substep: substep(&model, &mut explicit, &nodes)?,
-            },
+            None => {
+                let explicit = Box::new(Explicit::new(&model, &state.nodes()));
+                let substep = substep(&model, explicit.limit())?;
+                Engine::Explicit(explicit, substep)
+            }
         };
-        let (state, touch) = start(&model, &mut explicit, &nodes);
         let mut report = StepReport {
             converged: true,
             ..StepReport::default()
@@ -102,7 +106,6 @@ impl Simulation {
             model,
             state,
             report,
-            explicit,
             engine,
         })
     }
@@ -125,7 +128,7 @@ impl Simulation {
     /// Substep of the explicit scheme \[s\], if that is the method.
     pub fn substep(&self) -> Option<f64> {
         match self.engine {
-            Engine::Explicit { substep } => Some(substep),
+            Engine::Explicit(_, substep) => Some(substep),
             Engine::Implicit(..) => None,
         }
     }
@@ -143,13 +146,9 @@ impl Simulation {
             Engine::Implicit(rule, solver) => {
                 implicit_step(&self.model, *rule, solver, &mut next, &mut report)?
             }
-            Engine::Explicit { substep } => explicit_step(
-                &self.model,
-                &mut self.explicit,
-                *substep,
-                &mut next,
-                &mut report,
-            )?,
+            Engine::Explicit(explicit, substep) => {
+                explicit_step(&self.model, explicit, *substep, &mut next, &mut report)?
+            }
         };
         next.step += 1;
         measure::measure(&self.model, &next, &touch, &mut report);
@@ -198,35 +197,60 @@ impl Simulation {
     }
 }
 
-/// Start state at the nodes given, at rest, with its contacts and accelerations.
-fn start(model: &Model, explicit: &mut Explicit, nodes: &[Vector3<f64>]) -> (State, Touch) {
+/// Start state at rest, slopes relaxed, with its contacts and accelerations.
+fn start(model: &Model) -> (State, Touch) {
+    let mut nodes = model.start();
+    SlopeSolver::new(model).relax(model, &mut nodes);
     let vertices = model.masses.len();
     let mut state = State {
         step: 0,
         positions: nodes[..vertices].to_vec(),
         velocities: vec![Vector3::zeros(); vertices],
         slopes: nodes[vertices..].to_vec(),
+        slope_rates: vec![Vector3::zeros(); nodes.len() - vertices],
         obstacles: model.obstacles(),
         history: History::default(),
         bonds: vec![],
     };
-    let before = Before {
-        positions: &state.positions,
-        obstacles: &state.obstacles,
-        bonds: &[],
+    let mut touch = Touch {
+        obstacles: state.obstacles.clone(),
+        ..Touch::default()
     };
-    let (accelerations, touch) = explicit.accelerations(model, &state, &before);
-    state.history.accelerations = accelerations;
+    let mut forces = vec![[0.0; 4]; nodes.len()];
+    let in_lanes: Vec<Lanes> = nodes.iter().map(lanes).collect();
+    Kernel::new(model).add_forces(&in_lanes, &mut forces);
+    if let Some(law) = &model.contact {
+        let before = Before {
+            positions: &state.positions,
+            obstacles: &state.obstacles,
+            bonds: &[],
+        };
+        touch.find(model, law, &state.positions, &before, None);
+        for (v, push) in touch.pushes(model, law, &state.positions) {
+            forces[v as usize] = add(forces[v as usize], lanes(&push));
+        }
+    }
+    state.history.accelerations = (0..vertices)
+        .map(|v| {
+            let pull = vector(&forces[v]) - model.gravity.gradient(v, &[nodes[v]])[0];
+            let held = model.dofs.index[v].map(|i| i == NO_SLOT);
+            Vector3::from_fn(|axis, _| {
+                if held[axis] {
+                    0.0
+                } else {
+                    pull[axis] / model.masses[v]
+                }
+            })
+        })
+        .collect();
     (state, touch)
 }
 
-fn substep(model: &Model, explicit: &mut Explicit, nodes: &[Vector3<f64>]) -> Result<f64, Refused> {
-    let limit = explicit.limit(model, nodes);
-    let method = &model.scene.method;
-    match method.substep {
+fn substep(model: &Model, limit: f64) -> Result<f64, Refused> {
+    match model.scene.method.substep {
         Some(asked) if asked > limit => Err(Refused::Unstable { asked, limit }),
         Some(asked) => Ok(asked),
-        None => Ok((SAFETY * limit).min(method.dt)),
+        None => Ok(SAFETY * limit),
     }
 }
 
@@ -312,32 +336,26 @@ fn explicit_step(
 ) -> Result<Touch, Diverged> {
     let parts = (report.dt / substep).ceil().max(1.0) as u64;
     let dt = report.dt / parts as f64;
-    let mut touch = Touch::default();
-    for _ in 0..parts {
-        let drag = model.damping.power(&state.velocities);
-        let before = state.clone();
-        touch = explicit.substep(model, state, dt);
-        let (bonds, slipped) = touch.settle(&state.nodes());
-        state.bonds = bonds;
-        let energies = &mut report.energies;
-        energies.damping += 0.5 * dt * (drag + model.damping.power(&state.velocities));
-        energies.friction += slipped;
-        energies.supports += touch.work_of_obstacles(model, &before.obstacles, &state.nodes());
-    }
+    let before = state.step;
+    let (touch, flow) = explicit.advance(model, state, dt, parts);
+    let energies = &mut report.energies;
+    energies.damping += flow.damping;
+    energies.friction += flow.friction;
+    energies.supports += flow.obstacles;
     report.work.substeps = parts;
     let lost = state
         .positions
         .iter()
-        .position(|x| !x.iter().all(|c| c.is_finite() && c.abs() < 1e6));
+        .position(|x| !x.iter().all(|c| c.is_finite() && c.abs() < FAR));
     match lost {
         None => Ok(touch),
         Some(vertex) => Err(Diverged {
-            step: state.step + 1,
-            time: state.step as f64 * report.dt,
+            step: before + 1,
+            time: before as f64 * report.dt,
             dt,
             residual: f64::INFINITY,
             vertex,
-            at: [f64::NAN; 3],
+            at: model.start()[vertex].into(),
             advice: format!(
                 "leave method.substep out, or try one below {:.1e} s",
                 0.5 * dt

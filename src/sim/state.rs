@@ -16,6 +16,8 @@ pub struct State {
     pub velocities: Vec<Vector3<f64>>,
     /// Derivative of the position across each edge \[-\], shape \[edges\].
     pub slopes: Vec<Vector3<f64>>,
+    /// Rates of the slopes \[1/s\], shape \[edges\]; zero but for the explicit scheme, where slopes have inertia.
+    pub slope_rates: Vec<Vector3<f64>>,
     /// Obstacles where they are now, in the order of their names.
     pub obstacles: Vec<Obstacle>,
     /// What the scheme remembers of the past.
@@ -33,7 +35,7 @@ pub struct History {
     pub positions: Vec<Vector3<f64>>,
     /// Velocities one step before \[m/s\], shape \[vertices\]; empty at the start.
     pub velocities: Vec<Vector3<f64>>,
-    /// Accelerations now \[m/s²\], shape \[vertices\].
+    /// Accelerations now \[m/s²\], shape \[vertices\]; with the explicit scheme, those of the slopes follow.
     pub accelerations: Vec<Vector3<f64>>,
 }
 
@@ -60,6 +62,7 @@ impl State {
         vectors(&self.positions);
         vectors(&self.velocities);
         vectors(&self.slopes);
+        vectors(&self.slope_rates);
         vectors(&self.history.positions);
         vectors(&self.history.velocities);
         vectors(&self.history.accelerations);

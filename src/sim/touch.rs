@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::assembly::{Assembly, pick};
 use super::model::Model;
 use super::state::Memory;
-use crate::contact::{Obstacle, Proximity, detect};
+use crate::contact::{Nearby, Obstacle, Proximity, detect};
 use crate::physics::Potential;
 use crate::physics::contact::{Contact, ContactLaw, weighted};
 use crate::physics::friction::{Bond, Friction};
@@ -34,24 +34,36 @@ pub struct Touch {
 }
 
 impl Touch {
-    /// Finds the contacts of a configuration and ties their bonds to the start of the step.
+    /// Finds the contacts of a configuration and ties their bonds to the start of the step. `nearby` lists, for
+    /// each obstacle, what may touch it; `None` looks at the whole sheet.
     pub fn find(
         &mut self,
         model: &Model,
         law: &ContactLaw,
-        nodes: &[Vector3<f64>],
+        positions: &[Vector3<f64>],
         before: &Before,
+        nearby: Option<&[Nearby]>,
     ) {
-        let vertices = model.masses.len();
         self.proximities.clear();
-        for (i, obstacle) in self.obstacles.iter().enumerate() {
+        for (i, body) in self.obstacles.iter().enumerate() {
+            let whole;
+            let near = match nearby {
+                Some(nearby) => &nearby[i],
+                None => {
+                    whole = Nearby::find(&model.mesh, positions, body, law.offset);
+                    &whole
+                }
+            };
+            let body = (i as u32, body);
+            let found = &mut self.proximities;
             detect(
                 &model.mesh,
                 &model.features,
-                &nodes[..vertices],
-                (i as u32, obstacle),
+                positions,
+                body,
+                near,
                 law.offset,
-                &mut self.proximities,
+                found,
             );
         }
         self.bonds.clear();
@@ -67,30 +79,28 @@ impl Touch {
         }
     }
 
-    /// Adds contact and friction forces (as energy gradients) to `sum`.
-    pub fn gradient(
+    /// Contact and friction forces on vertices \[N\], in the order of the proximities, then of the bonds.
+    pub fn pushes(
         &self,
         model: &Model,
         law: &ContactLaw,
-        nodes: &[Vector3<f64>],
-        sum: &mut [Vector3<f64>],
-    ) {
+        positions: &[Vector3<f64>],
+    ) -> Vec<(u32, Vector3<f64>)> {
+        let mut pushes = Vec::with_capacity(3 * (self.proximities.len() + self.bonds.len()));
         // The proximities were found in this very configuration, so their distances are current.
         for near in &self.proximities {
-            let force = near.distance.normal * -law.normal_force(near);
+            let force = near.distance.normal * law.normal_force(near);
             let face = model.mesh.faces[near.face as usize];
-            for (v, w) in face.iter().zip(near.weights) {
-                sum[*v as usize] += force * w;
-            }
+            let loaded = face.iter().zip(near.weights).filter(|(_, w)| *w > 0.0);
+            pushes.extend(loaded.map(|(&v, w)| (v, force * w)));
         }
         let friction = Friction { bonds: &self.bonds };
         for s in 0..friction.count() {
             let stencil = friction.nodes(s);
-            let gradient = friction.gradient(s, &pick(nodes, &stencil));
-            for (v, g) in stencil.iter().zip(gradient) {
-                sum[*v as usize] += g;
-            }
+            let gradient = friction.gradient(s, &pick(positions, &stencil));
+            pushes.extend(stencil.into_iter().zip(gradient.map(|g| -g)));
         }
+        pushes
     }
 
     /// Adds contact and friction to the tangent.

@@ -4,17 +4,18 @@
 //! (rho/dt² + mu/2dt) x_(n+1) = f_n + 2 rho/dt² x_n - (rho/dt² - mu/2dt) x_(n-1)
 //! ```
 //!
-//! in its kick-drift-kick form, which gives the same positions and takes a variable step. Slopes carry no mass:
-//! after each substep they take the value of least bending energy. The limit is 2/omega_max of the undamped
-//! system (Courant, Friedrichs, Lewy), by power iteration on the actual mesh.
+//! in its half-step velocity form, which gives the same positions. The limit is 2/omega_max (Courant, Friedrichs,
+//! Lewy) by power iteration on the actual mesh. Slopes get a rotary inertia J just large enough that they do not
+//! lower that limit: about a thousandth of a vertex's m h², so they follow the positions.
 
 use nalgebra::Vector3;
 
+use crate::contact::Nearby;
 use crate::math::sparse::NO_SLOT;
 use crate::physics::Potential;
-use crate::sim::assembly::{Assembly, pick};
+use crate::sim::assembly::pick;
+use crate::sim::kernel::{Kernel, Lanes, add, dot, lanes, scale, vector};
 use crate::sim::model::Model;
-use crate::sim::slopes::SlopeSolver;
 use crate::sim::state::State;
 use crate::sim::touch::{Before, Touch};
 
@@ -22,147 +23,309 @@ use crate::sim::touch::{Before, Touch};
 pub const SAFETY: f64 = 0.9;
 /// Power iterations; the limit is then good to about 1 %.
 const POWER_ITERATIONS: usize = 200;
+/// Slope inertia over the least that keeps the slopes' own frequency at that of the membrane.
+const INERTIA_MARGIN: f64 = 2.0;
+/// How far the sheet may move against an obstacle before the features near it are collected anew \[m\].
+const MARGIN: f64 = 2e-3;
 
-/// Forces and accelerations without a linear system; also the start of every other scheme.
+/// The explicit integrator: constants and work space.
 pub struct Explicit {
-    slopes: SlopeSolver,
-    assembly: Assembly,
+    kernel: Kernel,
+    /// 1/m and 1/J by component, zero where prescribed, shape \[nodes\].
+    inverse_mass: Vec<Lanes>,
+    /// mu A / m \[1/s\], shape \[nodes\]; zero on slopes.
+    drag: Vec<f64>,
+    /// m g \[N\], shape \[nodes\].
+    weight: Vec<Lanes>,
+    /// Largest stable substep \[s\].
+    limit: f64,
+    nearby: Vec<Nearby>,
+    /// Relative motion that `nearby` still allows \[m\].
+    allowance: f64,
+    touch: Touch,
+}
+
+/// What flows through the ledger in a run of substeps \[J\].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Flow {
+    /// Taken out by damping.
+    pub damping: f64,
+    /// Taken out by friction.
+    pub friction: f64,
+    /// Put in by moving obstacles.
+    pub obstacles: f64,
 }
 
 impl Explicit {
-    /// Prepares the slope solve.
-    pub fn new(model: &Model, threads: usize) -> Self {
+    /// Lays out the model and finds the stable limit at `nodes` (positions, then slopes).
+    pub fn new(model: &Model, nodes: &[Vector3<f64>]) -> Self {
+        let kernel = Kernel::new(model);
+        let vertices = model.masses.len();
+        let mut inertia = model.masses.clone();
+        let stiffest = largest_frequency(model, nodes, &inertia);
+        inertia.extend(
+            slope_stiffness(model)
+                .iter()
+                .map(|k| INERTIA_MARGIN * k / stiffest.powi(2)),
+        );
+        let limit = 2.0 / largest_frequency(model, nodes, &inertia);
+        let inverse = |(node, inertia): (usize, &f64)| {
+            let index = model.dofs.index[node];
+            let lane = |axis: usize| {
+                if index[axis] == NO_SLOT {
+                    0.0
+                } else {
+                    1.0 / inertia
+                }
+            };
+            [lane(0), lane(1), lane(2), 0.0]
+        };
+        let mut drag = vec![0.0; nodes.len()];
+        let mut weight = vec![[0.0; 4]; nodes.len()];
+        for v in 0..vertices {
+            drag[v] = model.damping.coefficients[v] / model.masses[v];
+            weight[v] = lanes(&-model.gravity.gradient(v, &[nodes[v]])[0]);
+        }
         Self {
-            slopes: SlopeSolver::new(model),
-            assembly: Assembly::new(model, threads),
+            kernel,
+            inverse_mass: inertia.iter().enumerate().map(inverse).collect(),
+            drag,
+            weight,
+            limit,
+            nearby: vec![],
+            allowance: 0.0,
+            touch: Touch::default(),
         }
     }
 
-    /// Gives the slopes in `nodes` their value of least bending energy.
-    pub fn relax(&mut self, model: &Model, nodes: &mut [Vector3<f64>]) {
-        self.slopes.relax(model, nodes);
+    /// Largest stable substep \[s\].
+    pub fn limit(&self) -> f64 {
+        self.limit
     }
 
-    /// Largest stable substep at `nodes` \[s\]: 2/omega_max of M^-1 K, with contact at every vertex if the model
-    /// has any.
-    pub fn limit(&mut self, model: &Model, nodes: &[Vector3<f64>]) -> f64 {
-        let vertices = model.masses.len();
-        let contact = model.contact.map_or(0.0, |law| 2.0 * law.stiffness);
-        let mut mode = vec![Vector3::zeros(); nodes.len()];
-        for (v, x) in mode[..vertices].iter_mut().enumerate() {
-            // Any vector that no mode is orthogonal to will do; this one has all wavelengths.
-            let phase = (v as f64 * 0.754_877_666) % 1.0;
-            *x = free(
-                model,
-                v,
-                Vector3::new(phase - 0.5, 0.5 - phase * phase, phase * 0.7 - 0.3),
-            );
-        }
-        let mut omega_squared = 0.0;
-        for _ in 0..POWER_ITERATIONS {
-            let norm = mode[..vertices]
-                .iter()
-                .map(|x| x.norm_squared())
-                .sum::<f64>()
-                .sqrt();
-            mode.iter_mut().for_each(|x| *x /= norm);
-            mode[vertices..].fill(Vector3::zeros());
-            self.relax_mode(model, &mut mode);
-            let force = stiffness_times(model, nodes, &mode);
-            for v in 0..vertices {
-                mode[v] = free(model, v, (force[v] + mode[v] * contact) / model.masses[v]);
-            }
-            omega_squared = mode[..vertices]
-                .iter()
-                .map(|x| x.norm_squared())
-                .sum::<f64>()
-                .sqrt();
-        }
-        2.0 / omega_squared.sqrt()
-    }
-
-    /// Slopes of a displacement: those that a clamp holds do not move.
-    fn relax_mode(&mut self, model: &Model, mode: &mut [Vector3<f64>]) {
-        self.slopes.relax(model, mode);
-    }
-
-    /// Accelerations at the state's positions, with the contacts there.
-    pub fn accelerations(
+    /// Takes `count` substeps of `dt` and returns the contacts at the end and what flowed.
+    pub fn advance(
         &mut self,
         model: &Model,
-        state: &State,
-        before: &Before,
-    ) -> (Vec<Vector3<f64>>, Touch) {
-        let nodes = state.nodes();
-        let (force, touch) = self.forces(model, state, &nodes, before);
-        let accelerations = (0..model.masses.len())
-            .map(|v| {
-                let pull = force[v] + model.damping.force(v, &state.velocities[v]);
-                free(model, v, pull / model.masses[v])
-            })
+        state: &mut State,
+        dt: f64,
+        count: u64,
+    ) -> (Touch, Flow) {
+        let vertices = model.masses.len();
+        let mut flow = Flow::default();
+        let mut nodes: Vec<Lanes> = state
+            .positions
+            .iter()
+            .chain(&state.slopes)
+            .map(lanes)
             .collect();
-        (accelerations, touch)
+        let mut rates: Vec<Lanes> = state
+            .velocities
+            .iter()
+            .chain(&state.slope_rates)
+            .map(lanes)
+            .collect();
+        let past = &state.history.accelerations;
+        let accelerations = past.iter().map(lanes).chain(std::iter::repeat([0.0; 4]));
+        for (rate, a) in rates.iter_mut().zip(accelerations) {
+            *rate = add(*rate, scale(a, 0.5 * dt));
+        }
+        let mut forces = vec![[0.0; 4]; nodes.len()];
+        for substep in 0..count {
+            let before: Vec<Vector3<f64>> = if model.contact.is_some() {
+                nodes[..vertices].iter().map(vector).collect()
+            } else {
+                vec![]
+            };
+            let fastest = drift(&mut nodes, &rates, dt, vertices);
+            forces.copy_from_slice(&self.weight);
+            self.kernel.add_forces(&nodes, &mut forces);
+            if model.contact.is_some() {
+                self.contact(
+                    model,
+                    state,
+                    &before,
+                    &nodes,
+                    (fastest, dt),
+                    &mut forces,
+                    &mut flow,
+                );
+            }
+            let last = substep + 1 == count;
+            flow.damping += self.kick(model, &mut rates, &forces, dt, last);
+        }
+        state.history.accelerations = (0..nodes.len())
+            .map(|n| vector(&self.acceleration(n, &rates, &forces)))
+            .collect();
+        for (v, (x, rate)) in nodes.iter().zip(&rates).enumerate() {
+            if v < vertices {
+                state.positions[v] = vector(x);
+                state.velocities[v] = vector(rate);
+            } else {
+                state.slopes[v - vertices] = vector(x);
+                state.slope_rates[v - vertices] = vector(rate);
+            }
+        }
+        state.history.dt = dt;
+        (self.touch.clone(), flow)
     }
 
-    /// Forces on the nodes without damping \[N\].
-    fn forces(
+    fn acceleration(&self, node: usize, rates: &[Lanes], forces: &[Lanes]) -> Lanes {
+        let pull = std::array::from_fn(|i| forces[node][i] * self.inverse_mass[node][i]);
+        add(pull, scale(rates[node], -self.drag[node]))
+    }
+
+    /// Takes the rates from one half step to the next, or at the last substep to its end. Returns what damping
+    /// took out \[J\].
+    fn kick(
+        &self,
+        model: &Model,
+        rates: &mut [Lanes],
+        forces: &[Lanes],
+        dt: f64,
+        last: bool,
+    ) -> f64 {
+        let span = if last { 0.5 * dt } else { dt };
+        let (before, after) = if last {
+            (0.0, 0.5 * dt)
+        } else {
+            (0.5 * dt, 0.5 * dt)
+        };
+        let nodes = rates
+            .iter_mut()
+            .zip(forces)
+            .zip(self.inverse_mass.iter().zip(&self.drag));
+        for ((rate, force), (inverse, drag)) in nodes {
+            let push: Lanes = std::array::from_fn(|k| force[k] * inverse[k] * span);
+            let kept = scale(*rate, 1.0 - drag * before);
+            *rate = scale(add(kept, push), 1.0 / (1.0 + drag * after));
+        }
+        let drag = &model.damping.coefficients;
+        let power = |(c, v): (&f64, &Lanes)| c * dot(*v, *v);
+        if model.scene.damping == 0.0 {
+            0.0
+        } else {
+            drag.iter().zip(&*rates).map(power).sum::<f64>() * dt
+        }
+    }
+
+    /// Contact and friction at the end of the drift; settles the bonds.
+    #[allow(clippy::too_many_arguments)]
+    fn contact(
         &mut self,
         model: &Model,
-        state: &State,
-        nodes: &[Vector3<f64>],
-        before: &Before,
-    ) -> (Vec<Vector3<f64>>, Touch) {
-        let mut gradient = vec![Vector3::zeros(); nodes.len()];
-        self.assembly.internal(model, nodes, &mut gradient);
-        let mut touch = Touch {
-            obstacles: state.obstacles.clone(),
-            ..Touch::default()
-        };
-        if let Some(law) = &model.contact {
-            touch.find(model, law, nodes, before);
-            touch.gradient(model, law, nodes, &mut gradient);
-        }
-        for v in 0..model.masses.len() {
-            gradient[v] += model.gravity.gradient(v, &[nodes[v]])[0];
-        }
-        gradient.iter_mut().for_each(|g| *g = -*g);
-        (gradient, touch)
-    }
-
-    /// Takes one substep of `dt` \[s\]; the obstacles of `state` are moved too. Returns the contacts at its end.
-    pub fn substep(&mut self, model: &Model, state: &mut State, dt: f64) -> Touch {
-        let vertices = model.masses.len();
-        let start = state.clone();
-        let mut nodes = state.nodes();
-        for v in 0..vertices {
-            state.velocities[v] += state.history.accelerations[v] * (0.5 * dt);
-            nodes[v] += free(model, v, state.velocities[v]) * dt;
-        }
+        state: &mut State,
+        before: &[Vector3<f64>],
+        nodes: &[Lanes],
+        (fastest, dt): (f64, f64),
+        forces: &mut [Lanes],
+        flow: &mut Flow,
+    ) {
+        let Some(law) = &model.contact else { return };
+        let positions: Vec<Vector3<f64>> = nodes[..model.masses.len()].iter().map(vector).collect();
+        let start = state.obstacles.clone();
         state.obstacles.iter_mut().for_each(|o| o.advance(dt));
-        self.slopes.relax(model, &mut nodes);
-        let before = Before {
-            positions: &start.positions,
-            obstacles: &start.obstacles,
-            bonds: &start.bonds,
-        };
-        let (force, touch) = self.forces(model, state, &nodes, &before);
-        for v in 0..vertices {
-            let (mass, drag) = (model.masses[v], model.damping.coefficients[v]);
-            let kicked = state.velocities[v] + force[v] * (0.5 * dt / mass);
-            let velocity = free(model, v, kicked / (1.0 + 0.5 * dt * drag / mass));
-            state.velocities[v] = velocity;
-            state.history.accelerations[v] = free(model, v, (force[v] - velocity * drag) / mass);
+        self.allowance -= (fastest + quickest(&start)) * dt;
+        if self.allowance < 0.0 {
+            let find = |body| Nearby::find(&model.mesh, &positions, body, law.offset + MARGIN);
+            self.nearby = state.obstacles.iter().map(find).collect();
+            self.allowance = MARGIN;
         }
-        state.positions.copy_from_slice(&nodes[..vertices]);
-        state.slopes.copy_from_slice(&nodes[vertices..]);
-        state.history.dt = dt;
-        touch
+        self.touch.obstacles.clone_from(&state.obstacles);
+        let past = Before {
+            positions: before,
+            obstacles: &start,
+            bonds: &state.bonds,
+        };
+        self.touch
+            .find(model, law, &positions, &past, Some(&self.nearby));
+        for (v, push) in self.touch.pushes(model, law, &positions) {
+            forces[v as usize] = add(forces[v as usize], lanes(&push));
+        }
+        flow.obstacles += self.touch.work_of_obstacles(model, &start, &positions);
+        let (bonds, slipped) = self.touch.settle(&positions);
+        flow.friction += slipped;
+        state.bonds = bonds;
     }
 }
 
-/// A vector on a vertex with its prescribed components removed.
-fn free(model: &Model, v: usize, x: Vector3<f64>) -> Vector3<f64> {
-    let index = model.dofs.index[v];
+/// Moves the nodes and returns the largest speed of a vertex \[m/s\].
+fn drift(nodes: &mut [Lanes], rates: &[Lanes], dt: f64, vertices: usize) -> f64 {
+    for (x, rate) in nodes.iter_mut().zip(rates) {
+        *x = add(*x, scale(*rate, dt));
+    }
+    rates[..vertices]
+        .iter()
+        .map(|rate| dot(*rate, *rate))
+        .fold(0.0, f64::max)
+        .sqrt()
+}
+
+/// Bound on the speed of any point of the obstacles within a metre of their origin \[m/s\].
+fn quickest(obstacles: &[crate::contact::Obstacle]) -> f64 {
+    let speed = |o: &crate::contact::Obstacle| o.velocity.linear.norm() + o.velocity.angular.norm();
+    obstacles.iter().map(speed).fold(0.0, f64::max)
+}
+
+/// Bound on the stiffness of each slope in the bending matrix \[N·m\]: the absolute row sum.
+fn slope_stiffness(model: &Model) -> Vec<f64> {
+    let mut sums = vec![0.0; model.mesh.edges.len()];
+    for (f, edges) in model.mesh.face_edges.iter().enumerate() {
+        let matrix = model.bend.matrix(f);
+        for (k, &e) in edges.iter().enumerate() {
+            sums[e as usize] += (3..6).map(|j| matrix[(3 + k, j)].abs()).sum::<f64>();
+        }
+    }
+    sums
+}
+
+/// omega_max \[rad/s\] of M^-1 K at `nodes`, for as many nodes as have an inertia, with contact at every vertex if
+/// the model has any.
+fn largest_frequency(model: &Model, nodes: &[Vector3<f64>], inertia: &[f64]) -> f64 {
+    let vertices = model.masses.len();
+    let contact = model.contact.map_or(0.0, |law| 2.0 * law.stiffness);
+    let mut mode = vec![Vector3::zeros(); nodes.len()];
+    for (n, x) in mode[..inertia.len()].iter_mut().enumerate() {
+        // Any vector that no mode is orthogonal to will do; this one has all wavelengths.
+        let phase = (n as f64 * 0.754_877_666) % 1.0;
+        *x = free(
+            model,
+            n,
+            Vector3::new(phase - 0.5, 0.5 - phase * phase, phase * 0.7 - 0.3),
+        );
+    }
+    let mut omega_squared = 0.0;
+    for _ in 0..POWER_ITERATIONS {
+        // In coordinates scaled by the root of the inertia the matrix is symmetric.
+        let norm = mode
+            .iter()
+            .zip(inertia)
+            .map(|(x, m)| m * x.norm_squared())
+            .sum::<f64>()
+            .sqrt();
+        mode.iter_mut().for_each(|x| *x /= norm);
+        let force = stiffness_times(model, nodes, &mode);
+        for (n, m) in inertia.iter().enumerate() {
+            let touch = if n < vertices {
+                mode[n] * contact
+            } else {
+                Vector3::zeros()
+            };
+            mode[n] = free(model, n, (force[n] + touch) / *m);
+        }
+        omega_squared = mode
+            .iter()
+            .zip(inertia)
+            .map(|(x, m)| m * x.norm_squared())
+            .sum::<f64>()
+            .sqrt();
+    }
+    omega_squared.sqrt()
+}
+
+/// A vector on a node with its prescribed components removed.
+fn free(model: &Model, node: usize, x: Vector3<f64>) -> Vector3<f64> {
+    let index = model.dofs.index[node];
     Vector3::from_fn(|axis, _| if index[axis] == NO_SLOT { 0.0 } else { x[axis] })
 }
 

@@ -91,6 +91,7 @@ impl Rule {
         state.history.velocities = std::mem::replace(&mut state.velocities, velocities);
         state.history.accelerations = accelerations;
         state.slopes = slopes.to_vec();
+        state.slope_rates.fill(Vector3::zeros());
     }
 }
 
