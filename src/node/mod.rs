@@ -21,5 +21,5 @@ pub use carrier::{Carrier, Memory};
 pub use error::NodeError;
 pub use mcap_file::McapFile;
 pub use recording::{Frame, Recording};
-pub use run::{Progress, RunOptions, Summary, run};
+pub use run::{Peak, Progress, RunOptions, Summary, run};
 pub use seal::seal;

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use serde::Serialize;
+
 use super::clock::Stopwatch;
 use super::recorder::{Instant, Recorder};
 use super::{Carrier, Destination, McapFile, NodeError};
@@ -36,6 +38,22 @@ pub struct Progress {
     pub wall_seconds: f64,
 }
 
+/// A quantity of every step, in the unit of its field.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Peak {
+    /// Largest value of the run.
+    pub largest: f64,
+    /// Value of the last step.
+    pub end: f64,
+}
+
+impl Peak {
+    fn add(&mut self, value: f64) {
+        self.largest = self.largest.max(value);
+        self.end = value;
+    }
+}
+
 /// What a run came to.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
@@ -51,10 +69,10 @@ pub struct Summary {
     pub energies: Energies,
     /// Readings at the end, named by the scene \[m\].
     pub readings: Vec<(String, f64)>,
-    /// Largest principal membrane strain of the run, absolute \[-\].
-    pub largest_strain: f64,
-    /// Deepest penetration of the run \[m\].
-    pub deepest_penetration: f64,
+    /// Largest principal membrane strain, absolute \[-\].
+    pub largest_strain: Peak,
+    /// Deepest penetration into an obstacle \[m\].
+    pub deepest_penetration: Peak,
     /// Whether every step converged.
     pub converged: bool,
     /// Digest of the last state.
@@ -184,12 +202,11 @@ struct Schedule {
 
 impl Schedule {
     fn new(scene: &Scene) -> Self {
-        let dt = scene.method.dt;
-        let whole = |interval: f64| (interval.round() as u64).max(1);
-        let output = whole(1.0 / (scene.output.rate * dt));
-        let surfaces = whole(1.0 / (scene.output.mesh_rate * dt) / output as f64);
+        let output = scene.output_steps();
+        let interval = 1.0 / (scene.output.mesh_rate * scene.method.dt);
+        let surfaces = ((interval / output as f64).round() as u64).max(1);
         Self {
-            steps: whole(scene.duration / dt),
+            steps: scene.steps(),
             output,
             mesh: output.saturating_mul(surfaces),
             with_mesh: scene.output.mesh_rate > 0.0,
@@ -216,8 +233,8 @@ impl Summary {
         self.work.solves += report.work.solves;
         self.work.halvings += report.work.halvings;
         self.energies = report.energies;
-        self.largest_strain = self.largest_strain.max(report.largest_strain);
-        self.deepest_penetration = self.deepest_penetration.max(report.deepest_penetration);
+        self.largest_strain.add(report.largest_strain);
+        self.deepest_penetration.add(report.deepest_penetration);
         self.converged &= report.converged;
         self.digest = report.digest;
     }
