@@ -17,8 +17,8 @@ pub(super) fn text(scene: &Scene, run: &Summary) -> String {
         (
             "work",
             format!(
-                "{} iterations, {} factorisations, {} substeps, {} repeated smaller",
-                work.iterations, work.factorisations, work.substeps, work.rejected
+                "{} substeps, {} iterations, {} factorisations, {} attempts repeated smaller",
+                work.substeps, work.iterations, work.factorisations, work.rejected
             ),
         ),
         ("energies [mJ]", stored(&run.energies)),
@@ -85,7 +85,7 @@ fn simulated(scene: &Scene, run: &Summary) -> String {
 /// Largest value of a run and the last one.
 fn peak(peak: &Peak, unit: &str, shown: impl Fn(f64) -> String) -> String {
     let (largest, end) = (shown(peak.largest), shown(peak.end));
-    format!("{largest} {unit}, {end} {unit} at the end")
+    format!("{largest} {unit} ({end} {unit} at the end)")
 }
 
 /// Energies by name, in millijoules.

@@ -3,9 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 
-use toile::scene::{Scheme, Term};
+use toile::scene::{OutputSpec, Scheme, Term};
+use toile::wire::channels::{self, Rate};
 
-use crate::tidy::{IMPORTS, code, folders, identifier, read, root, sources};
+use crate::tidy::{IMPORTS, code, folders, identifier, read, root, sources, tracked};
 
 /// Rows of the table under a heading of ARCHITECTURE.md: the cells of each, first the name without backticks.
 fn rows(heading: &str) -> BTreeMap<String, Vec<String>> {
@@ -146,10 +147,37 @@ fn every_guard_of_an_invariant_exists() {
 }
 
 #[test]
-fn the_readme_names_every_topic() {
+fn the_readme_describes_every_channel() {
     let readme = read("README.md");
-    for channel in toile::wire::channels::ALL {
-        let topic = format!("`{}`", channel.topic);
-        assert!(readme.contains(&topic), "README.md does not name {topic}");
+    for channel in channels::ALL {
+        let rate = match channel.rate {
+            Rate::Once => "once",
+            Rate::Output => "`output.rate`",
+            Rate::Mesh => "`output.mesh_rate`",
+        };
+        let row = format!(
+            "| `{}` | `{}` | {rate} |",
+            channel.topic, channel.message.name
+        );
+        assert!(readme.contains(&row), "README.md has no row {row}");
+    }
+    let OutputSpec { rate, mesh_rate } = OutputSpec::default();
+    let said = format!(
+        "`output.rate` is {rate} Hz of simulated time and `output.mesh_rate` {mesh_rate} Hz"
+    );
+    assert!(readme.contains(&said), "README.md does not say: {said}");
+}
+
+#[test]
+fn every_kept_recording_says_where_it_comes_from() {
+    let said = read("recordings/README.md");
+    let kept = tracked("recordings");
+    for path in kept.iter().filter(|path| *path != "recordings/README.md") {
+        let name = path.trim_start_matches("recordings/");
+        let stem = name.trim_end_matches(".png");
+        assert!(
+            said.contains(&format!("`{name}`")) || said.contains(&format!("`{stem}.svg`, `.png`")),
+            "recordings/README.md does not name {name}"
+        );
     }
 }

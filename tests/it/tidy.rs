@@ -212,19 +212,22 @@ fn files_stay_short() {
     );
 }
 
+/// Files of the repository under a folder; none in an unpacked archive, which has no list of them.
+pub fn tracked(folder: &str) -> Vec<String> {
+    let list = Command::new("git")
+        .args(["ls-files", "-z", folder])
+        .current_dir(root())
+        .output();
+    let list = list.ok().filter(|output| output.status.success());
+    let list = String::from_utf8(list.map_or(vec![], |output| output.stdout)).unwrap();
+    list.split_terminator('\0').map(str::to_string).collect()
+}
+
 /// What a checkout has beside the repository's files (`target`, the recordings of one's own) does not count.
 #[test]
 fn the_top_level_is_the_one_agreed() {
-    let tracked = Command::new("git")
-        .args(["ls-files", "-z"])
-        .current_dir(root())
-        .output();
-    let Some(tracked) = tracked.ok().filter(|output| output.status.success()) else {
-        return; // an unpacked archive, not a checkout
-    };
-    let tracked = String::from_utf8(tracked.stdout).unwrap();
-    let top = |path: &str| path.split('/').next().unwrap().to_string();
-    let tops: BTreeSet<_> = tracked.split_terminator('\0').map(top).collect();
+    let top = |path: String| path.split('/').next().unwrap().to_string();
+    let tops: BTreeSet<_> = tracked(".").into_iter().map(top).collect();
     let strangers: Vec<_> = tops
         .iter()
         .filter(|name| !name.starts_with('.') && !TOP_LEVEL.contains(&name.as_str()))
