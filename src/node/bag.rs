@@ -6,10 +6,14 @@
 
 use std::fmt::Write as _;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use super::NodeError;
 use crate::wire::channels;
+
+/// What rosbag2 reads first of a bag.
+const METADATA: &str = "metadata.yaml";
 
 /// Where a recording goes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,8 +45,18 @@ impl Destination {
         &self.file
     }
 
-    /// Makes the directories that are missing.
+    /// Makes the directories that are missing. A directory that holds other things than a bag is not made one.
     pub(super) fn prepare(&self) -> Result<(), NodeError> {
+        if let Some(bag) = self.bag.as_deref().filter(|bag| bag.is_dir()) {
+            let mut entries = fs::read_dir(bag).map_err(NodeError::file("read", bag))?;
+            let ours = self.file.exists() || bag.join(METADATA).exists();
+            if !ours && entries.next().is_some() {
+                let reason = "the directory holds other files; name a new one, or FILE.mcap";
+                return Err(NodeError::file("record into", bag)(io::Error::other(
+                    reason,
+                )));
+            }
+        }
         let Some(parent) = self.file.parent().filter(|p| !p.as_os_str().is_empty()) else {
             return Ok(());
         };
@@ -55,7 +69,7 @@ impl Destination {
             return Ok(());
         };
         let file = self.file.file_name().unwrap_or_default().to_string_lossy();
-        let (path, draft) = (bag.join("metadata.yaml"), bag.join("metadata.yaml.part"));
+        let (path, draft) = (bag.join(METADATA), bag.join("metadata.yaml.part"));
         fs::write(&draft, tally.yaml(&file)).map_err(NodeError::file("write", &draft))?;
         fs::rename(&draft, &path).map_err(NodeError::file("write", &path))
     }

@@ -4,13 +4,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use serde::Serialize;
-
 use super::clock::Stopwatch;
 use super::recorder::{Instant, Recorder};
-use super::{Carrier, Destination, McapFile, NodeError};
+use super::{Carrier, Destination, McapFile, NodeError, Summary};
 use crate::scene::Scene;
-use crate::sim::{Energies, Simulation, StepReport, Work};
+use crate::sim::{Simulation, StepReport};
 
 /// How a scene is run.
 #[derive(Default)]
@@ -38,55 +36,6 @@ pub struct Progress {
     pub wall_seconds: f64,
 }
 
-/// A quantity of every step, in the unit of its field.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Peak {
-    /// Largest value of the run.
-    pub largest: f64,
-    /// Value of the last step.
-    pub end: f64,
-}
-
-impl Peak {
-    fn add(&mut self, value: f64) {
-        self.largest = self.largest.max(value);
-        self.end = value;
-    }
-}
-
-/// What a run came to.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Summary {
-    /// Steps taken.
-    pub steps: u64,
-    /// Simulated time \[s\].
-    pub time: f64,
-    /// Whether the run was stopped from outside before its end.
-    pub stopped: bool,
-    /// Work of all steps.
-    pub work: Work,
-    /// Energy ledger at the end \[J\].
-    pub energies: Energies,
-    /// Readings at the end, named by the scene \[m\].
-    pub readings: Vec<(String, f64)>,
-    /// Largest principal membrane strain, absolute \[-\].
-    pub largest_strain: Peak,
-    /// Deepest penetration into an obstacle \[m\].
-    pub deepest_penetration: Peak,
-    /// Whether every step converged.
-    pub converged: bool,
-    /// Digest of the last state.
-    pub digest: u64,
-    /// Wall time \[s\].
-    pub wall_seconds: f64,
-    /// CPU time of the whole process, recording included \[s\].
-    pub cpu_seconds: f64,
-    /// The recording, if there is one.
-    pub recording: Option<PathBuf>,
-    /// Its size \[bytes\].
-    pub recording_bytes: u64,
-}
-
 /// Runs a checked scene to its end.
 ///
 /// A state is published every `1 / output.rate`, rounded to whole steps, the surface every
@@ -107,10 +56,7 @@ pub fn run(
     }
     let obstacles = simulation.state().obstacles.clone();
     let recorder = Recorder::start(simulation.model().clone(), obstacles, carriers)?;
-    let mut summary = Summary {
-        converged: true,
-        ..Summary::default()
-    };
+    let mut summary = Summary::new();
     let stepped = advance(&mut simulation, &recorder, &options.stop, &mut |report| {
         summary.add(report);
         progress(&Progress {
@@ -219,23 +165,5 @@ impl Schedule {
 
     fn mesh(&self, step: u64) -> bool {
         step.is_multiple_of(self.mesh)
-    }
-}
-
-impl Summary {
-    fn add(&mut self, report: &StepReport) {
-        self.steps = report.step;
-        self.time = report.time;
-        self.work.substeps += report.work.substeps;
-        self.work.rejected += report.work.rejected;
-        self.work.iterations += report.work.iterations;
-        self.work.factorisations += report.work.factorisations;
-        self.work.solves += report.work.solves;
-        self.work.halvings += report.work.halvings;
-        self.energies = report.energies;
-        self.largest_strain.add(report.largest_strain);
-        self.deepest_penetration.add(report.deepest_penetration);
-        self.converged &= report.converged;
-        self.digest = report.digest;
     }
 }

@@ -15,6 +15,7 @@ mod overrides;
 mod parse;
 mod quantity;
 mod spec;
+mod spelling;
 mod tree;
 mod warning;
 

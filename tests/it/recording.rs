@@ -197,6 +197,18 @@ fn paths_that_cannot_be_written_say_so() {
 }
 
 #[test]
+fn a_directory_of_other_things_is_not_made_a_bag() {
+    let directory = TempDir::new().expect("a directory");
+    let mine = directory.path().join("mine");
+    fs::create_dir(&mine).expect("create");
+    record(&mine);
+    record(&mine);
+    let error = error_of(directory.path());
+    assert!(error.to_string().contains("holds other files"), "{error}");
+    assert_eq!(directory.path().read_dir().expect("list").count(), 1);
+}
+
+#[test]
 fn a_bag_directory_has_metadata_that_agrees() {
     let directory = TempDir::new().expect("a directory");
     let bag = directory.path().join("drape");
