@@ -29,13 +29,13 @@ pub(super) fn text(scene: &Scene, run: &Summary) -> String {
                 output::significant(1e2 * strain, 3)
             }),
         ),
-        (
-            "deepest penetration",
-            peak(&run.deepest_penetration, "mm", |depth| {
-                format!("{:.4}", 1e3 * depth)
-            }),
-        ),
     ];
+    if !scene.obstacle.is_empty() {
+        let depth = peak(&run.deepest_penetration, "mm", |depth| {
+            format!("{:.4}", 1e3 * depth)
+        });
+        rows.push(("deepest penetration", depth));
+    }
     for (name, value) in &run.readings {
         rows.push((name, format!("{:.3} mm", 1e3 * value)));
     }

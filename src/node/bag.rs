@@ -45,22 +45,32 @@ impl Destination {
         &self.file
     }
 
-    /// Makes the directories that are missing. A directory that holds other things than a bag is not made one.
+    /// Makes the directories that are missing. What holds other things than a bag is not made one.
     pub(super) fn prepare(&self) -> Result<(), NodeError> {
-        if let Some(bag) = self.bag.as_deref().filter(|bag| bag.is_dir()) {
-            let mut entries = fs::read_dir(bag).map_err(NodeError::file("read", bag))?;
-            let ours = self.file.exists() || bag.join(METADATA).exists();
-            if !ours && entries.next().is_some() {
-                let reason = "the directory holds other files; name a new one, or FILE.mcap";
-                return Err(NodeError::file("record into", bag)(io::Error::other(
-                    reason,
-                )));
-            }
+        if let Some(bag) = self.bag.as_deref().filter(|bag| bag.exists()) {
+            self.refuse_others(bag)
+                .map_err(NodeError::file("record into", bag))?;
         }
         let Some(parent) = self.file.parent().filter(|p| !p.as_os_str().is_empty()) else {
             return Ok(());
         };
         fs::create_dir_all(parent).map_err(NodeError::file("create directory", parent))
+    }
+
+    /// Whether what is there already is a bag or an empty directory.
+    fn refuse_others(&self, bag: &Path) -> io::Result<()> {
+        if !bag.is_dir() {
+            return Err(io::Error::other(
+                "it is a file whose name does not end in .mcap",
+            ));
+        }
+        let ours = self.file.exists() || bag.join(METADATA).exists();
+        match !ours && fs::read_dir(bag)?.next().is_some() {
+            true => Err(io::Error::other(
+                "the directory holds other files; name a new one, or FILE.mcap",
+            )),
+            false => Ok(()),
+        }
     }
 
     /// Writes `metadata.yaml` of a bag, whole or not at all.
