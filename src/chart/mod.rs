@@ -3,10 +3,12 @@
 //! - [`picture`]: a sheet with its obstacles, shaded, in one frame or a strip of frames.
 //! - [`work_precision`]: error against CPU time of every scheme and step, failures included.
 
+mod course;
 mod lettering;
 pub mod picture;
 mod picture_camera;
 mod picture_cloth;
+mod picture_framing;
 mod picture_labels;
 mod picture_light;
 mod picture_solids;
@@ -20,6 +22,8 @@ pub mod reference;
 pub mod rows;
 pub mod work_precision;
 
+pub use course::{CpuClock, Watch};
 pub use lettering::{DrawError, png_of_svg};
-pub use picture::{Framing, Moment, Picture, Size, Subject, View, draw};
+pub use picture::{Moment, Picture, Size, Subject, draw};
+pub use picture_framing::{Framing, View};
 pub use picture_strip::draw_strip;

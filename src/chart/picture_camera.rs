@@ -2,7 +2,7 @@
 
 use nalgebra::{Vector2, Vector3};
 
-use super::picture::View;
+use super::picture_framing::View;
 
 /// Directions of the view and the affine map from world to pixels.
 #[derive(Clone, Debug)]

@@ -3,7 +3,8 @@
 use resvg::tiny_skia::{Color, Pixmap};
 
 use super::lettering::{DrawError, draw_over};
-use super::picture::{Framing, LARGEST_SIDE, Moment, Picture, Size, Subject, panel, spacing};
+use super::picture::{LARGEST_SIDE, Moment, Picture, Size, Subject, panel, spacing};
+use super::picture_framing::Framing;
 use super::picture_labels::{Labels, time};
 
 /// Width of a strip that fits its frames \[px\].

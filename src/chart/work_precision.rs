@@ -3,13 +3,14 @@
 //! The CPU clock is handed in, since nothing in this crate's core reads a clock; it counts the steps only,
 //! not the building of mesh and matrices, in one thread.
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector2;
 
+use super::course::{Course, CpuClock, Watch};
 use super::reference::{Reference, ReferenceError};
 use super::rows::{Asked, Key, Outcome, Row};
 use crate::scene::{MethodSpec, Perturbation, Scene, Scheme};
-use crate::sheet::{Mesh, Outline};
-use crate::sim::{Simulation, StepReport};
+use crate::sheet::Outline;
+use crate::sim::Simulation;
 
 /// A scene with an observed point, the times at which it is compared, and the steps to try.
 #[derive(Clone, Debug)]
@@ -48,12 +49,6 @@ pub enum ChartError {
         message: String,
     },
 }
-
-/// CPU time of this process \[s\].
-pub type CpuClock<'a> = dyn FnMut() -> f64 + 'a;
-
-/// Called now and then with the finished share of a run, 0 to 1.
-pub type Watch<'a> = dyn FnMut(f64) + 'a;
 
 impl Problem {
     /// The chart that belongs to a scene, by its name.
@@ -203,58 +198,16 @@ impl Problem {
         }
     }
 
-    /// Steps through the run of a key and looks at the observed point at the given times.
+    /// Runs a key and looks at the observed point at the given times.
     fn course(&self, key: &Key, times: &[f64], cpu: &mut CpuClock, watch: &mut Watch) -> Course {
-        let mut course = Course::default();
-        let method = match self.method_of(key) {
-            Ok(method) => method,
-            Err(message) => {
-                course.died = Some((0.0, message));
-                return course;
-            }
-        };
-        let dt = method.dt;
-        course.asked_dt = dt;
-        let mut simulation = match start(&self.with(method)) {
-            Ok(simulation) => simulation,
-            Err(message) => {
-                course.died = Some((0.0, message));
-                return course;
-            }
-        };
-        let probe = Probe::new(&simulation.model().mesh, &self.points);
-        let origin = probe.read(&simulation.state().positions);
-        course.triangles = simulation.model().mesh.faces.len();
-        let last = times.iter().copied().fold(0.0, f64::max);
-        let mut times = times.iter().copied().peekable();
-        for step in 1..=(last / dt).round() as u64 {
-            let before = cpu();
-            let taken = simulation.step().cloned();
-            course.cpu += cpu() - before;
-            let time = step as f64 * dt;
-            let here = probe.read(&simulation.state().positions) - origin;
-            match taken {
-                Err(diverged) => course.died = Some((diverged.time, diverged.to_string())),
-                Ok(_) if !here.iter().all(|x| x.is_finite()) => {
-                    course.died = Some((time, "positions are not finite".to_string()));
-                }
-                Ok(report) => course.count(&report, time),
-            }
-            if course.died.is_some() {
-                break;
-            }
-            if times.next_if(|t| (t - time).abs() < 1e-3 * dt).is_some() {
-                course.displacements.push(here);
-            }
-            watch(time / last);
+        let ready = self.method_of(key).and_then(|method| {
+            let simulation = start(&self.with(method))?;
+            Ok((method.dt, simulation))
+        });
+        match ready {
+            Ok((dt, simulation)) => Course::run(simulation, dt, &self.points, times, cpu, watch),
+            Err(message) => Course::stillborn(message),
         }
-        if course.died.is_none() && times.peek().is_some() {
-            course.died = Some((
-                course.simulated,
-                "its steps miss a time of the reference".into(),
-            ));
-        }
-        course
     }
 
     /// The method of a key; a share of the explicit limit is taken of the substep that the scheme chooses.
@@ -288,62 +241,6 @@ impl Problem {
 /// One thread, so that CPU time is the time of the method.
 fn start(scene: &Scene) -> Result<Simulation, String> {
     Simulation::new(scene, 1).map_err(|refused| refused.to_string())
-}
-
-/// A run as it went.
-#[derive(Default)]
-struct Course {
-    triangles: usize,
-    asked_dt: f64,
-    displacements: Vec<Vector3<f64>>,
-    died: Option<(f64, String)>,
-    cpu: f64,
-    simulated: f64,
-    sum: StepReport,
-}
-
-impl Course {
-    fn count(&mut self, report: &StepReport, time: f64) {
-        self.simulated = time;
-        self.sum.step += 1;
-        let (sum, work) = (&mut self.sum.work, report.work);
-        sum.substeps += work.substeps.max(1);
-        sum.rejected += work.rejected;
-        sum.iterations += work.iterations;
-        sum.factorisations += work.factorisations;
-    }
-}
-
-/// Reads the mean position of some points of the sheet: weights over the vertices of their faces.
-struct Probe {
-    weights: Vec<(usize, f64)>,
-}
-
-impl Probe {
-    fn new(mesh: &Mesh, points: &[Vector2<f64>]) -> Self {
-        let share = 1.0 / points.len() as f64;
-        let mut weights = vec![];
-        for point in points {
-            let found = mesh.faces.iter().map(|f| (f, barycentric(mesh, f, point)));
-            let least = |w: &[f64; 3]| w.iter().copied().fold(f64::INFINITY, f64::min);
-            let best = found.max_by(|(_, a), (_, b)| least(a).total_cmp(&least(b)));
-            if let Some((face, w)) = best {
-                weights.extend((0..3).map(|k| (face[k] as usize, w[k] * share)));
-            }
-        }
-        Self { weights }
-    }
-
-    fn read(&self, positions: &[Vector3<f64>]) -> Vector3<f64> {
-        self.weights.iter().map(|(v, w)| positions[*v] * *w).sum()
-    }
-}
-
-fn barycentric(mesh: &Mesh, face: &[u32; 3], p: &Vector2<f64>) -> [f64; 3] {
-    let [a, b, c] = face.map(|v| mesh.outline[v as usize]);
-    let area = (b - a).perp(&(c - a));
-    let (u, v) = ((c - b).perp(&(p - b)) / area, (a - c).perp(&(p - c)) / area);
-    [u, v, 1.0 - u - v]
 }
 
 /// What a progress bar calls a run.

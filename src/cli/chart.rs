@@ -61,7 +61,8 @@ impl WorkPrecisionArgs {
             let (scene, _) = source::scene(name, &[])?;
             problems.push(Problem::of(scene).map_err(failed)?);
         }
-        fs::create_dir_all(&self.output).map_err(file("create directory", &self.output))?;
+        fs::create_dir_all(&self.output)
+            .map_err(NodeError::file("create directory", &self.output))?;
         let csv = self.output.join("work-precision.csv");
         let mut rows = read(&csv, |t| rows::from_csv(t).map_err(|e| e.to_string()))?;
         let rows = rows.get_or_insert_default();
@@ -70,7 +71,7 @@ impl WorkPrecisionArgs {
             fill(problem, &reference, rows, &csv)?;
             self.draw(problem, &reference, rows)?;
         }
-        announce(&csv)
+        output::announce(&csv)
     }
 
     /// The reference of a problem: embedded, kept from an earlier time, or run now.
@@ -89,7 +90,7 @@ impl WorkPrecisionArgs {
         let made = problem.make_reference(&mut |part| bar.set_position(thousandths(part)));
         bar.finish_and_clear();
         let reference = made.map_err(failed)?;
-        fs::write(&path, reference.to_csv()).map_err(file("write", &path))?;
+        fs::write(&path, reference.to_csv()).map_err(NodeError::file("write", &path))?;
         Ok(reference)
     }
 
@@ -97,12 +98,10 @@ impl WorkPrecisionArgs {
         let svg = chart(&caption(problem, of, rows), rows).map_err(refused)?;
         let stem = format!("work-precision-{}", problem.scene.name);
         let path = self.output.join(format!("{stem}.svg"));
-        fs::write(&path, &svg).map_err(file("write", &path))?;
-        announce(&path)?;
+        output::save(&path, &svg)?;
         let path = self.output.join(format!("{stem}.png"));
         let png = png_of_svg(&svg, PNG_SCALE).map_err(refused)?;
-        fs::write(&path, png).map_err(file("write", &path))?;
-        announce(&path)
+        output::save(&path, png)
     }
 }
 
@@ -129,8 +128,8 @@ fn fill(
         bar.finish_and_clear();
         rows.push(row);
         let fresh = csv.with_extension("csv.part");
-        fs::write(&fresh, rows::to_csv(rows)).map_err(file("write", &fresh))?;
-        fs::rename(&fresh, csv).map_err(file("write", csv))?;
+        fs::write(&fresh, rows::to_csv(rows)).map_err(NodeError::file("write", &fresh))?;
+        fs::rename(&fresh, csv).map_err(NodeError::file("write", csv))?;
     }
     Ok(())
 }
@@ -167,7 +166,7 @@ fn read<T>(path: &Path, parse: impl Fn(&str) -> Result<T, String>) -> Result<Opt
     let text = match fs::read_to_string(path) {
         Ok(text) => text,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(file("read", path)(error)),
+        Err(error) => return Err(NodeError::file("read", path)(error).into()),
     };
     let refuse = |reason| CliError::Input(format!("{}: {reason}", path.display()));
     parse(&text).map(Some).map_err(refuse)
@@ -187,25 +186,10 @@ fn thousandths(part: f64) -> u64 {
     (1000.0 * part) as u64
 }
 
-fn announce(path: &Path) -> Result<(), CliError> {
-    output::print(&format!("{}\n", path.display()))
-}
-
 fn failed(error: ChartError) -> CliError {
     CliError::Input(error.to_string())
 }
 
 fn refused(error: crate::chart::DrawError) -> CliError {
     CliError::Input(error.to_string())
-}
-
-fn file(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> CliError + use<> {
-    let path = path.to_path_buf();
-    move |source| {
-        CliError::Node(NodeError::File {
-            action,
-            path,
-            source,
-        })
-    }
 }

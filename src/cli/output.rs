@@ -1,8 +1,11 @@
-//! Results on standard output.
+//! Results: on standard output, in files, and numbers as people read them.
 
+use std::fs;
 use std::io::{self, ErrorKind, Write};
+use std::path::Path;
 
 use super::CliError;
+use crate::node::NodeError;
 
 /// Prints a result. A reader that closed the pipe (`toile list scenes | head -1`) has all it wants.
 pub(super) fn print(text: &str) -> Result<(), CliError> {
@@ -16,6 +19,17 @@ pub(super) fn print(text: &str) -> Result<(), CliError> {
 /// Prints a JSON value, a line of its own.
 pub(super) fn print_json(value: &serde_json::Value) -> Result<(), CliError> {
     print(&format!("{value:#}\n"))
+}
+
+/// Prints the path of a file that was written, a line of its own.
+pub(super) fn announce(path: &Path) -> Result<(), CliError> {
+    print(&format!("{}\n", path.display()))
+}
+
+/// Writes a file and prints its path.
+pub(super) fn save(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
+    fs::write(path, bytes).map_err(NodeError::file("write", path))?;
+    announce(path)
 }
 
 /// Rows with their columns aligned.
@@ -46,6 +60,25 @@ pub(super) fn significant(value: f64, digits: i32) -> String {
     format!("{value:.decimals$}")
 }
 
+/// A whole number with its thousands apart: 5,750.
+pub(super) fn thousands(number: usize) -> String {
+    let digits = number.to_string();
+    let mut out = String::new();
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            out.push(',');
+        }
+        out.push(digit);
+    }
+    out
+}
+
+/// A number to at most four decimals, without trailing zeros.
+pub(super) fn trimmed(value: f64) -> String {
+    let text = format!("{value:.4}");
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -62,6 +95,15 @@ mod tests {
         ] {
             assert_eq!(significant(value, 3), text);
         }
+    }
+
+    #[test]
+    fn numbers_without_noise() {
+        assert_eq!(
+            [999, 5750, 1234567].map(thousands),
+            ["999", "5,750", "1,234,567"]
+        );
+        assert_eq!([5.0, 0.25, 100.0].map(trimmed), ["5", "0.25", "100"]);
     }
 
     #[test]

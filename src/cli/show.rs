@@ -1,6 +1,5 @@
 //! `toile show`: a picture of a recording, without display or GPU, and what viewers need beside it.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -9,7 +8,7 @@ use nalgebra::{Rotation2, UnitQuaternion, Vector2, Vector3};
 
 use super::{CliError, output};
 use crate::chart::{self, Framing, Moment, Picture, Size, Subject, View};
-use crate::node::{self, Frame, NodeError, Recording};
+use crate::node::{self, Frame, Recording};
 use crate::scene::Scene;
 
 /// Frames that decide what the camera must hold, at most.
@@ -46,7 +45,7 @@ impl ShowArgs {
     pub fn run(&self) -> Result<(), CliError> {
         if let Some(directory) = &self.layouts {
             for path in node::viewers::write(directory)? {
-                announce(&path)?;
+                output::announce(&path)?;
             }
         }
         let Some(file) = &self.file else {
@@ -55,8 +54,7 @@ impl ShowArgs {
         let picture = self.draw(&Recording::open(file)?)?;
         let path = self.output.clone().unwrap_or_else(|| beside(file));
         let png = picture.png().map_err(refused)?;
-        fs::write(&path, png).map_err(|source| unwritable(&path, source))?;
-        announce(&path)
+        output::save(&path, png)
     }
 
     fn draw(&self, recording: &Recording) -> Result<Picture, CliError> {
@@ -79,9 +77,9 @@ impl ShowArgs {
         let subtitle = format!(
             "{} · {} triangles · {} {} ms",
             scene.fabric.name,
-            thousands(faces.len()),
+            output::thousands(faces.len()),
             scene.method.scheme.name(),
-            trim(scene.method.dt * 1e3),
+            output::trimmed(scene.method.dt * 1e3),
         );
         let material = material(scene, &recording.frame(0)?);
         let subject = Subject {
@@ -163,21 +161,8 @@ fn beside(file: &Path) -> PathBuf {
     }
 }
 
-fn announce(path: &Path) -> Result<(), CliError> {
-    output::print(&format!("{}\n", path.display()))
-}
-
 fn refused(error: chart::DrawError) -> CliError {
     CliError::Input(error.to_string())
-}
-
-fn unwritable(path: &Path, source: std::io::Error) -> CliError {
-    let path = path.to_path_buf();
-    CliError::Node(NodeError::File {
-        action: "write",
-        path,
-        source,
-    })
 }
 
 fn pair<T: FromStr>(text: &str, between: char) -> Option<(T, T)> {
@@ -198,21 +183,4 @@ fn size(text: &str) -> Result<Size, String> {
     let (width, height) =
         found.ok_or_else(|| format!("wanted WxH in pixels, each {sides:?}, like 1200x900"))?;
     Ok(Size { width, height })
-}
-
-fn thousands(number: usize) -> String {
-    let digits = number.to_string();
-    let mut out = String::new();
-    for (k, digit) in digits.chars().enumerate() {
-        if k > 0 && (digits.len() - k).is_multiple_of(3) {
-            out.push(',');
-        }
-        out.push(digit);
-    }
-    out
-}
-
-fn trim(x: f64) -> String {
-    let text = format!("{x:.4}");
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
 }

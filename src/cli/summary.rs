@@ -3,8 +3,8 @@
 use serde_json::{Map, Value, json};
 
 use super::output;
-use crate::node::Summary;
-use crate::scene::{Scene, Warning};
+use crate::node::{Peak, Summary};
+use crate::scene::{Scene, Warning, needs};
 use crate::sim::Energies;
 
 /// The closing summary on a terminal.
@@ -12,25 +12,30 @@ pub(super) fn text(scene: &Scene, run: &Summary) -> String {
     let work = &run.work;
     let rate = output::significant(run.time / run.wall_seconds.max(1e-9), 2);
     let mut rows = vec![
+        ("physics", physics(scene)),
         ("simulated", simulated(scene, run)),
         (
             "work",
             format!(
-                "{} iterations, {} factorisations, {} substeps, {} repeated smaller",
-                work.iterations, work.factorisations, work.substeps, work.rejected
+                "{} substeps, {} iterations, {} factorisations, {} attempts repeated smaller",
+                work.substeps, work.iterations, work.factorisations, work.rejected
             ),
         ),
         ("energies [mJ]", stored(&run.energies)),
         ("exchanged [mJ]", exchanged(&run.energies)),
         (
             "largest strain",
-            format!("{} %", output::significant(1e2 * run.largest_strain, 3)),
-        ),
-        (
-            "deepest penetration",
-            format!("{:.4} mm", 1e3 * run.deepest_penetration),
+            peak(&run.largest_strain, "%", |strain| {
+                output::significant(1e2 * strain, 3)
+            }),
         ),
     ];
+    if !scene.obstacle.is_empty() {
+        let depth = peak(&run.deepest_penetration, "mm", |depth| {
+            format!("{:.4}", 1e3 * depth)
+        });
+        rows.push(("deepest penetration", depth));
+    }
     for (name, value) in &run.readings {
         rows.push((name, format!("{:.3} mm", 1e3 * value)));
     }
@@ -59,6 +64,12 @@ pub(super) fn text(scene: &Scene, run: &Summary) -> String {
     head + &output::table(&rows) + &next
 }
 
+/// The terms that the scene pays for.
+fn physics(scene: &Scene) -> String {
+    let terms: Vec<_> = needs(scene).iter().map(|(term, _)| term.name()).collect();
+    terms.join(", ")
+}
+
 fn simulated(scene: &Scene, run: &Summary) -> String {
     let end = match run.stopped {
         true => format!(" (stopped by a signal before {} s)", scene.duration),
@@ -69,6 +80,12 @@ fn simulated(scene: &Scene, run: &Summary) -> String {
         false => "NOT every step converged",
     };
     format!("{:.4} s in {} steps{end}, {converged}", run.time, run.steps)
+}
+
+/// Largest value of a run and the last one.
+fn peak(peak: &Peak, unit: &str, shown: impl Fn(f64) -> String) -> String {
+    let (largest, end) = (shown(peak.largest), shown(peak.end));
+    format!("{largest} {unit} ({end} {unit} at the end)")
 }
 
 /// Energies by name, in millijoules.
@@ -115,6 +132,7 @@ pub(super) fn json(scene: &Scene, warnings: &[Warning], run: &Summary) -> Value 
         "duration": scene.duration,
         "time": run.time,
         "steps": run.steps,
+        "physics": needs(scene).iter().map(|(term, _)| term.name()).collect::<Vec<_>>(),
         "stopped": run.stopped,
         "converged": run.converged,
         "work": run.work,

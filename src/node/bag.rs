@@ -6,10 +6,14 @@
 
 use std::fmt::Write as _;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use super::NodeError;
 use crate::wire::channels;
+
+/// What rosbag2 reads first of a bag.
+const METADATA: &str = "metadata.yaml";
 
 /// Where a recording goes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,12 +45,32 @@ impl Destination {
         &self.file
     }
 
-    /// Makes the directories that are missing.
+    /// Makes the directories that are missing. What holds other things than a bag is not made one.
     pub(super) fn prepare(&self) -> Result<(), NodeError> {
+        if let Some(bag) = self.bag.as_deref().filter(|bag| bag.exists()) {
+            self.refuse_others(bag)
+                .map_err(NodeError::file("record into", bag))?;
+        }
         let Some(parent) = self.file.parent().filter(|p| !p.as_os_str().is_empty()) else {
             return Ok(());
         };
         fs::create_dir_all(parent).map_err(NodeError::file("create directory", parent))
+    }
+
+    /// Whether what is there already is a bag or an empty directory.
+    fn refuse_others(&self, bag: &Path) -> io::Result<()> {
+        if !bag.is_dir() {
+            return Err(io::Error::other(
+                "it is a file whose name does not end in .mcap",
+            ));
+        }
+        let ours = self.file.exists() || bag.join(METADATA).exists();
+        match !ours && fs::read_dir(bag)?.next().is_some() {
+            true => Err(io::Error::other(
+                "the directory holds other files; name a new one, or FILE.mcap",
+            )),
+            false => Ok(()),
+        }
     }
 
     /// Writes `metadata.yaml` of a bag, whole or not at all.
@@ -55,7 +79,7 @@ impl Destination {
             return Ok(());
         };
         let file = self.file.file_name().unwrap_or_default().to_string_lossy();
-        let (path, draft) = (bag.join("metadata.yaml"), bag.join("metadata.yaml.part"));
+        let (path, draft) = (bag.join(METADATA), bag.join("metadata.yaml.part"));
         fs::write(&draft, tally.yaml(&file)).map_err(NodeError::file("write", &draft))?;
         fs::rename(&draft, &path).map_err(NodeError::file("write", &path))
     }

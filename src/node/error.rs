@@ -63,7 +63,7 @@ pub enum NodeError {
 
 impl NodeError {
     /// Binds an IO error to what was tried on which file.
-    pub(super) fn file(
+    pub(crate) fn file(
         action: &'static str,
         path: &Path,
     ) -> impl FnOnce(io::Error) -> NodeError + use<> {

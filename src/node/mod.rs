@@ -14,6 +14,7 @@ mod records;
 mod run;
 mod seal;
 mod store;
+mod summary;
 pub mod viewers;
 
 pub use bag::Destination;
@@ -21,5 +22,6 @@ pub use carrier::{Carrier, Memory};
 pub use error::NodeError;
 pub use mcap_file::McapFile;
 pub use recording::{Frame, Recording};
-pub use run::{Progress, RunOptions, Summary, run};
+pub use run::{Progress, RunOptions, run};
 pub use seal::seal;
+pub use summary::{Peak, Summary};

@@ -5,14 +5,14 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use mcap::records::{Record, op};
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 
 use super::NodeError;
 use super::bag::Destination;
 use super::mcap_file::SCENE_ATTACHMENT;
 use super::records::{Span, record, spans, unpack};
-use crate::contact::{Obstacle, Pose, Velocity};
-use crate::scene::{ObstacleSpec, Scene};
+use crate::contact::{Obstacle, Velocity};
+use crate::scene::Scene;
 use crate::wire::cdr::decode;
 use crate::wire::channels::{STATE, TF, TOPOLOGY};
 use crate::wire::messages::sensor_msgs::PointCloud2;
@@ -151,21 +151,12 @@ impl Recording {
         let placed = self.scene.obstacle.iter().map(|(name, spec)| Obstacle {
             name: name.clone(),
             shape: spec.shape.clone(),
-            pose: recorded(name).unwrap_or_else(|| start_pose(spec)),
+            pose: recorded(name).unwrap_or_else(|| spec.pose()),
             velocity: Velocity::default(),
             friction: spec.friction,
         });
         placed.collect()
     }
-}
-
-/// Where a scene puts an obstacle at the start.
-fn start_pose(spec: &ObstacleSpec) -> Pose {
-    let [roll, pitch, yaw] = spec.rotation.map(f64::to_radians);
-    Pose::from_parts(
-        Vector3::from(spec.position).into(),
-        UnitQuaternion::from_euler_angles(roll, pitch, yaw),
-    )
 }
 
 /// The scene, if the attachment is one.

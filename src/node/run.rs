@@ -6,9 +6,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::clock::Stopwatch;
 use super::recorder::{Instant, Recorder};
-use super::{Carrier, Destination, McapFile, NodeError};
+use super::{Carrier, Destination, McapFile, NodeError, Summary};
 use crate::scene::Scene;
-use crate::sim::{Energies, Simulation, StepReport, Work};
+use crate::sim::{Simulation, StepReport};
 
 /// How a scene is run.
 #[derive(Default)]
@@ -36,39 +36,6 @@ pub struct Progress {
     pub wall_seconds: f64,
 }
 
-/// What a run came to.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Summary {
-    /// Steps taken.
-    pub steps: u64,
-    /// Simulated time \[s\].
-    pub time: f64,
-    /// Whether the run was stopped from outside before its end.
-    pub stopped: bool,
-    /// Work of all steps.
-    pub work: Work,
-    /// Energy ledger at the end \[J\].
-    pub energies: Energies,
-    /// Readings at the end, named by the scene \[m\].
-    pub readings: Vec<(String, f64)>,
-    /// Largest principal membrane strain of the run, absolute \[-\].
-    pub largest_strain: f64,
-    /// Deepest penetration of the run \[m\].
-    pub deepest_penetration: f64,
-    /// Whether every step converged.
-    pub converged: bool,
-    /// Digest of the last state.
-    pub digest: u64,
-    /// Wall time \[s\].
-    pub wall_seconds: f64,
-    /// CPU time of the whole process, recording included \[s\].
-    pub cpu_seconds: f64,
-    /// The recording, if there is one.
-    pub recording: Option<PathBuf>,
-    /// Its size \[bytes\].
-    pub recording_bytes: u64,
-}
-
 /// Runs a checked scene to its end.
 ///
 /// A state is published every `1 / output.rate`, rounded to whole steps, the surface every
@@ -89,10 +56,7 @@ pub fn run(
     }
     let obstacles = simulation.state().obstacles.clone();
     let recorder = Recorder::start(simulation.model().clone(), obstacles, carriers)?;
-    let mut summary = Summary {
-        converged: true,
-        ..Summary::default()
-    };
+    let mut summary = Summary::new();
     let stepped = advance(&mut simulation, &recorder, &options.stop, &mut |report| {
         summary.add(report);
         progress(&Progress {
@@ -184,12 +148,11 @@ struct Schedule {
 
 impl Schedule {
     fn new(scene: &Scene) -> Self {
-        let dt = scene.method.dt;
-        let whole = |interval: f64| (interval.round() as u64).max(1);
-        let output = whole(1.0 / (scene.output.rate * dt));
-        let surfaces = whole(1.0 / (scene.output.mesh_rate * dt) / output as f64);
+        let output = scene.output_steps();
+        let interval = 1.0 / (scene.output.mesh_rate * scene.method.dt);
+        let surfaces = ((interval / output as f64).round() as u64).max(1);
         Self {
-            steps: whole(scene.duration / dt),
+            steps: scene.steps(),
             output,
             mesh: output.saturating_mul(surfaces),
             with_mesh: scene.output.mesh_rate > 0.0,
@@ -202,23 +165,5 @@ impl Schedule {
 
     fn mesh(&self, step: u64) -> bool {
         step.is_multiple_of(self.mesh)
-    }
-}
-
-impl Summary {
-    fn add(&mut self, report: &StepReport) {
-        self.steps = report.step;
-        self.time = report.time;
-        self.work.substeps += report.work.substeps;
-        self.work.rejected += report.work.rejected;
-        self.work.iterations += report.work.iterations;
-        self.work.factorisations += report.work.factorisations;
-        self.work.solves += report.work.solves;
-        self.work.halvings += report.work.halvings;
-        self.energies = report.energies;
-        self.largest_strain = self.largest_strain.max(report.largest_strain);
-        self.deepest_penetration = self.deepest_penetration.max(report.deepest_penetration);
-        self.converged &= report.converged;
-        self.digest = report.digest;
     }
 }

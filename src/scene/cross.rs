@@ -135,6 +135,10 @@ fn times(scene: &Scene) -> Result<(), Conflict> {
             format!("must be at least one step: method.dt = {} s", short(dt)),
         );
     }
+    if scene.method.substep.is_some_and(|substep| substep > dt) {
+        let expected = format!("at most method.dt = {} s, the step it divides", short(dt));
+        return Err(("method.substep".into(), Problem::OutOfRange { expected }));
+    }
     // One part in a million: 1 / (1 / 3) is not 3.
     if scene.output.rate * dt > 1.0 + 1e-6 {
         let expected = format!(

@@ -58,11 +58,11 @@ pub struct MethodSpec {
     pub dt: f64,
     /// A step has converged when its force residual is below this fraction of the sheet's weight \[-\].
     pub tolerance: f64,
-    /// Newton iterations before a step is retried smaller.
+    /// Newton iterations before a step is retried smaller \[-\].
     pub max_iterations: usize,
-    /// Substep of `central-difference` \[s\]; left out, it is 0.9 of the stable limit.
+    /// Substep of `central-difference` \[s\], at most `dt`; left out, it is 0.9 of the stable limit.
     pub substep: Option<f64>,
-    /// Spectral radius of `generalised-alpha` at infinite frequency, 0 to 1.
+    /// Spectral radius of `generalised-alpha` at infinite frequency, 0 to 1 \[-\].
     pub rho_infinity: f64,
 }
 

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::method::{MethodSpec, OutputSpec};
-use crate::contact::Shape;
+use crate::contact::{Pose, Shape};
 use crate::fabric::{PoissonCoupling, TwistRigidity};
 use crate::sheet::Outline;
 
@@ -230,6 +231,17 @@ pub struct ObstacleSpec {
     /// Coulomb friction coefficient \[-\].
     #[serde(default)]
     pub friction: f64,
+}
+
+impl ObstacleSpec {
+    /// Where the obstacle is at the start, in the world.
+    pub fn pose(&self) -> Pose {
+        let [roll, pitch, yaw] = self.rotation.map(f64::to_radians);
+        Pose::from_parts(
+            Vector3::from(self.position).into(),
+            UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+        )
+    }
 }
 
 /// Seeded out-of-plane disturbance of the start: a smooth random field of the given amplitude.

@@ -86,7 +86,7 @@ pub static TF: Channel = channel::<TFMessage>("/tf", Qos::Reliable, Rate::Output
 pub static STATE: Channel = channel::<PointCloud2>("/toile/state", Qos::Newest, Rate::Output);
 /// What the step says of itself.
 pub static REPORT: Channel = channel::<StepReport>("/toile/report", Qos::Reliable, Rate::Output);
-/// The lit surface.
+/// The surface, for viewers.
 pub static MESH: Channel = channel::<MarkerArray>("/toile/mesh", Qos::Newest, Rate::Mesh);
 
 /// All of them, in the order in which they are published.

@@ -1,6 +1,6 @@
 //! What leaves the core, as ROS 2 messages: one definition (a `.msg`), one encoding (CDR).
 //!
-//! `build.rs` turns `msgs/msg/*.msg` and the standard types into the structs of [`messages`]; [`channels`] says
+//! `build.rs`, which runs before the crate is compiled, turns `msgs/msg/*.msg` and the standard types into the structs of [`messages`]; [`channels`] says
 //! which of them goes where, and [`instant`] turns a model and its state into encoded [`Packet`]s.
 //! Nothing here knows files, sockets or the clock.
 

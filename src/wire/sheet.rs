@@ -1,4 +1,4 @@
-//! The mesh: its constant topology, and the lit surface that viewers draw.
+//! The mesh: its constant topology, and the surface that viewers draw.
 
 use nalgebra::Vector3;
 

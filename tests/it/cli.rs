@@ -71,14 +71,16 @@ fn run_records_and_says_what_came_of_it() {
         "free-fall: F1 with bdf2, dt 0.005 s",
         "0.0200 s in 4 steps",
         "every step converged",
+        "stretch, bend, gravity, damping\n",
         "largest strain",
-        "deepest penetration",
+        "% at the end)",
         "s CPU",
         "free-fall.mcap, ",
         "next: toile show free-fall.mcap -o shot.png",
     ] {
         assert!(text.contains(part), "`{part}` is not in: {text}");
     }
+    assert!(!text.contains("penetration"), "nothing to touch: {text}");
     let bytes = std::fs::read(dir.path().join("free-fall.mcap")).unwrap();
     assert_eq!(&bytes[..8], b"\x89MCAP0\r\n", "magic at the start");
     assert_eq!(
@@ -118,6 +120,7 @@ fn run_as_json_is_one_object() {
     assert_eq!(summary["recording_bytes"], size);
     assert_eq!(summary["digest"].as_str().unwrap().len(), 16);
     assert!(summary["energies"]["kinetic"].is_number());
+    assert!(summary["largest_strain"]["end"].is_number());
 }
 
 #[test]
@@ -223,6 +226,20 @@ fn a_file_that_cannot_be_written_is_exit_code_1() {
     std::fs::write(dir.path().join("taken"), "").unwrap();
     let output = toile(dir.path(), &[&SHORT[..], &["-o", "taken/a.mcap"]].concat());
     assert_refusal(&output, 1, &["taken"]);
+    let output = toile(dir.path(), &[&SHORT[..], &["-o", "taken"]].concat());
+    assert_refusal(&output, 1, &["taken", "does not end in .mcap"]);
+}
+
+#[test]
+fn a_scene_says_what_it_needs() {
+    let dir = TempDir::new().unwrap();
+    let text = out(&toile(dir.path(), &["scene", "free-fall", "--needs"]));
+    assert!(
+        text.contains("damping   damping = 0.1 kg/(m²·s)\n"),
+        "{text}"
+    );
+    assert!(text.contains("contact   left out"), "{text}");
+    refuses(2, &["scene", "nope", "--needs"], &["nope", "drape-table"]);
 }
 
 #[test]

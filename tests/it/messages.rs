@@ -1,124 +1,13 @@
-//! Message structs against their definitions: an independent decoder follows the schema text through the bytes
+//! Message structs against their definitions: an independent reader follows the schema text through the bytes
 //! that the structs encode to.
 
-use std::collections::BTreeMap;
-
-use toile::contact::{Obstacle, Pose, Shape, Velocity};
-use toile::wire::cdr::{self, CdrError};
 use toile::wire::messages::{
     self, builtin_interfaces::Time, geometry_msgs, sensor_msgs, std_msgs, tf2_msgs, toile_msgs,
     visualization_msgs,
 };
-use toile::wire::{Message, channels, robot_description};
+use toile::wire::{Message, cdr, channels};
 
-/// Fields of a definition: type and name.
-type Fields = Vec<(String, String)>;
-
-/// The definitions in a concatenated schema, by `package/Name`, the root's first.
-fn parse(name: &str, schema: &str) -> (String, BTreeMap<String, Fields>) {
-    let root = name.replace("/msg/", "/");
-    let separator = "=".repeat(80);
-    let mut definitions = BTreeMap::new();
-    for (index, part) in schema.split(&format!("{separator}\n")).enumerate() {
-        let (name, body) = match index {
-            0 => (root.clone(), part),
-            _ => {
-                let (head, body) = part.split_once('\n').expect("MSG line");
-                (head.strip_prefix("MSG: ").expect("MSG:").to_string(), body)
-            }
-        };
-        assert!(definitions.insert(name, fields(body)).is_none(), "twice");
-    }
-    (root, definitions)
-}
-
-fn fields(body: &str) -> Fields {
-    let lines = body.lines().filter_map(|l| l.split('#').next());
-    let words = lines.map(|l| l.split_whitespace().collect::<Vec<_>>());
-    words
-        .filter(|w| w.len() >= 2 && !w[1].contains('=') && w.get(2) != Some(&"="))
-        .map(|w| (w[0].to_string(), w[1].to_string()))
-        .collect()
-}
-
-/// Walks CDR bytes by a schema alone and prints what it meets.
-struct Walker<'a> {
-    definitions: BTreeMap<String, Fields>,
-    body: &'a [u8],
-    at: usize,
-    seen: Vec<String>,
-}
-
-impl Walker<'_> {
-    fn take(&mut self, size: usize) -> u64 {
-        self.at = self.at.next_multiple_of(size);
-        let mut value = [0; 8];
-        value[..size].copy_from_slice(&self.body[self.at..self.at + size]);
-        self.at += size;
-        u64::from_le_bytes(value)
-    }
-
-    fn value(&mut self, kind: &str, package: &str, path: &str) {
-        if let Some((element, count)) = kind.strip_suffix(']').and_then(|k| k.split_once('[')) {
-            let count = match count.parse() {
-                Ok(fixed) => fixed,
-                Err(_) => self.take(4),
-            };
-            (0..count).for_each(|i| self.value(element, package, &format!("{path}[{i}]")));
-            return;
-        }
-        let shown = match kind {
-            "bool" | "uint8" | "int8" | "byte" => self.take(1).to_string(),
-            "int16" | "uint16" => self.take(2).to_string(),
-            "int32" | "uint32" => self.take(4).to_string(),
-            "int64" | "uint64" => self.take(8).to_string(),
-            "float32" => f32::from_bits(self.take(4) as u32).to_string(),
-            "float64" => f64::from_bits(self.take(8)).to_string(),
-            "string" => {
-                let length = self.take(4) as usize;
-                let text = &self.body[self.at..self.at + length - 1];
-                assert_eq!(self.body[self.at + length - 1], 0);
-                self.at += length;
-                String::from_utf8(text.to_vec()).expect("UTF-8")
-            }
-            nested => return self.nested(nested, package, path),
-        };
-        self.seen.push(format!("{path} = {shown}"));
-    }
-
-    fn nested(&mut self, kind: &str, package: &str, path: &str) {
-        let kind = match (kind, kind.contains('/')) {
-            ("Header", _) => "std_msgs/Header".to_string(),
-            (_, true) => kind.to_string(),
-            (_, false) => format!("{package}/{kind}"),
-        };
-        let package = kind.split('/').next().expect("a package").to_string();
-        for (kind, name) in self.definitions[&kind].clone() {
-            self.value(&kind, &package, &format!("{path}.{name}"));
-        }
-    }
-}
-
-/// What an independent reader sees in an encoded message; it must use up every byte.
-fn walk<M: Message>(message: &M) -> Vec<String> {
-    let bytes = cdr::encode(message).expect("encodes");
-    let (root, definitions) = parse(M::TYPE.name, M::TYPE.schema);
-    let mut walker = Walker {
-        definitions,
-        body: &bytes[4..],
-        at: 0,
-        seen: vec![],
-    };
-    let package = root.split('/').next().expect("a package").to_string();
-    walker.nested(&root, &package, "");
-    assert_eq!(
-        walker.at,
-        walker.body.len(),
-        "{}: bytes left over",
-        M::TYPE.name
-    );
-    walker.seen
-}
+use crate::schema_reader::{parse, walk};
 
 /// Paths of all values in a struct, as serde sees them.
 fn serde_fields<M: Message>(message: &M) -> Vec<String> {
@@ -160,7 +49,7 @@ fn header() -> std_msgs::Header {
     }
 }
 
-fn sample_report() -> toile_msgs::StepReport {
+pub fn sample_report() -> toile_msgs::StepReport {
     toile_msgs::StepReport {
         header: header(),
         step: 5,
@@ -342,115 +231,6 @@ fn regress_type_hashes() {
             format!("RIHS01_{hash}"),
             "{name}"
         );
-    }
-}
-
-#[test]
-fn cdr_bytes_are_pinned() {
-    let report = std_msgs::Header {
-        stamp: Time { sec: 1, nanosec: 2 },
-        frame_id: "ab".into(),
-    };
-    let bytes = cdr::encode(&report).expect("encodes");
-    let expected = [
-        0, 1, 0, 0, // encapsulation: CDR, little endian
-        1, 0, 0, 0, // sec
-        2, 0, 0, 0, // nanosec
-        3, 0, 0, 0, b'a', b'b', 0, // length with the terminator, text
-    ];
-    assert_eq!(bytes, expected);
-}
-
-#[test]
-fn cdr_aligns_to_the_body() {
-    let cloud = sensor_msgs::PointField {
-        name: "x".into(),
-        offset: 4,
-        datatype: 7,
-        count: 1,
-    };
-    let bytes = cdr::encode(&cloud).expect("encodes");
-    let expected = [
-        0, 1, 0, 0, 2, 0, 0, 0, b'x', 0, 0, 0, 4, 0, 0, 0, 7, 0, 0, 0, 1, 0, 0, 0,
-    ];
-    assert_eq!(bytes, expected);
-}
-
-#[test]
-fn bad_bytes_are_refused() {
-    let good = cdr::encode(&sample_report()).expect("encodes");
-    for cut in 0..good.len() {
-        assert!(
-            cdr::decode::<toile_msgs::StepReport>(&good[..cut]).is_err(),
-            "cut at {cut}"
-        );
-    }
-    let parameter_list = [0, 3, 0, 0];
-    let refused = cdr::decode::<Time>(&parameter_list);
-    assert!(matches!(refused, Err(CdrError::Encapsulation { .. })));
-    let absurd = [0, 1, 0, 0, 255, 255, 255, 255, 0];
-    assert!(cdr::decode::<std_msgs::String>(&absurd).is_err());
-    assert!(cdr::decode::<tf2_msgs::TFMessage>(&absurd).is_err());
-}
-
-fn urdf(shape: Shape) -> String {
-    let obstacle = Obstacle {
-        name: "thing".into(),
-        shape,
-        pose: Pose::identity(),
-        velocity: Velocity::default(),
-        friction: 0.0,
-    };
-    robot_description(&[obstacle])
-}
-
-#[test]
-fn urdf_of_each_shape() {
-    let cases = [
-        (
-            Shape::Plane,
-            vec!["0 0 -0.005\" rpy=\"0 0 0\"/><geometry><box size=\"2 2 0.01\"/>"],
-        ),
-        (
-            Shape::Box {
-                size: [0.1, 0.2, 0.3],
-            },
-            vec!["<box size=\"0.1 0.2 0.3\"/>"],
-        ),
-        (
-            Shape::Sphere { radius: 0.05 },
-            vec!["<sphere radius=\"0.05\"/>"],
-        ),
-        (
-            Shape::Disc { radius: 0.09 },
-            vec!["<cylinder radius=\"0.09\" length=\"0.0002\"/>"],
-        ),
-        (
-            Shape::Cylinder {
-                radius: 0.02,
-                length: 0.5,
-            },
-            vec!["<cylinder radius=\"0.02\" length=\"0.5\"/>"],
-        ),
-        (
-            Shape::Capsule {
-                radius: 0.02,
-                length: 0.5,
-            },
-            vec![
-                "0 0 0\" rpy=\"0 0 0\"/><geometry><cylinder radius=\"0.02\" length=\"0.5\"/>",
-                "0 0 0.25\" rpy=\"0 0 0\"/><geometry><sphere radius=\"0.02\"/>",
-                "0 0 -0.25\" rpy=\"0 0 0\"/><geometry><sphere radius=\"0.02\"/>",
-            ],
-        ),
-    ];
-    for (shape, expected) in cases {
-        let xml = urdf(shape.clone());
-        assert_eq!(xml.matches("<visual>").count(), expected.len(), "{shape:?}");
-        for part in expected {
-            assert!(xml.contains(part), "{shape:?}: no {part} in {xml}");
-        }
-        assert!(xml.contains("<parent link=\"world\"/><child link=\"thing\"/>"));
     }
 }
 

@@ -310,6 +310,11 @@ fn times_must_fit_each_other() {
         &["duration=1e-3"],
         &["--set duration=1e-3: duration = 0.001", "at least one step"],
     );
+    refuses_set(
+        &["method.substep=0.01"],
+        &["method.substep = 0.01", "at most method.dt = 0.005 s"],
+    );
+    good(GOOD, &["method.substep=5e-3"]);
     // A third of a second and back is one step, whatever the rounding.
     good(GOOD, &["method.dt=0.333333333333333333", "output.rate=3"]);
 }

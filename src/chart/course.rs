@@ -1,0 +1,131 @@
+//! A run that is watched: where the observed point is at given times, what the steps cost, and how it died.
+
+use nalgebra::{Vector2, Vector3};
+
+use crate::sheet::Mesh;
+use crate::sim::{Simulation, StepReport};
+
+/// CPU time of this process \[s\].
+pub type CpuClock<'a> = dyn FnMut() -> f64 + 'a;
+
+/// Called now and then with the finished share of a run, 0 to 1.
+pub type Watch<'a> = dyn FnMut(f64) + 'a;
+
+/// A run as it went.
+#[derive(Default)]
+pub(super) struct Course {
+    /// Triangles of the mesh.
+    pub triangles: usize,
+    /// Step that was asked for \[s\]; 0 if there was none.
+    pub asked_dt: f64,
+    /// Displacement of the observed point \[m\] at each of the times that were reached.
+    pub displacements: Vec<Vector3<f64>>,
+    /// When \[s\] and of what it died, if it did.
+    pub died: Option<(f64, String)>,
+    /// CPU time of the steps \[s\].
+    pub cpu: f64,
+    /// Simulated time \[s\].
+    pub simulated: f64,
+    /// Steps, and the work of all of them.
+    pub sum: StepReport,
+}
+
+impl Course {
+    /// A run that could not begin.
+    pub fn stillborn(message: String) -> Self {
+        Self {
+            died: Some((0.0, message)),
+            ..Self::default()
+        }
+    }
+
+    /// Steps of `dt` \[s\] up to the last of `times` \[s\], or to its death. The mean displacement of `points`, in
+    /// the sheet's x, y \[m\], is noted at each of the times.
+    pub fn run(
+        mut simulation: Simulation,
+        dt: f64,
+        points: &[Vector2<f64>],
+        times: &[f64],
+        cpu: &mut CpuClock,
+        watch: &mut Watch,
+    ) -> Self {
+        let probe = Probe::new(&simulation.model().mesh, points);
+        let origin = probe.read(&simulation.state().positions);
+        let mut course = Self {
+            triangles: simulation.model().mesh.faces.len(),
+            asked_dt: dt,
+            ..Self::default()
+        };
+        let last = times.iter().copied().fold(0.0, f64::max);
+        let mut times = times.iter().copied().peekable();
+        for step in 1..=(last / dt).round() as u64 {
+            let time = step as f64 * dt;
+            let before = cpu();
+            let taken = simulation.step().cloned();
+            course.cpu += cpu() - before;
+            let here = probe.read(&simulation.state().positions) - origin;
+            match taken {
+                Err(diverged) => course.died = Some((diverged.time, diverged.to_string())),
+                Ok(_) if !here.iter().all(|x| x.is_finite()) => {
+                    course.died = Some((time, "positions are not finite".to_string()));
+                }
+                Ok(report) => course.count(&report, time),
+            }
+            if course.died.is_some() {
+                return course;
+            }
+            if times.next_if(|t| (t - time).abs() < 1e-3 * dt).is_some() {
+                course.displacements.push(here);
+            }
+            watch(time / last);
+        }
+        if times.peek().is_some() {
+            let missed = "its steps miss a time of the reference".to_string();
+            course.died = Some((course.simulated, missed));
+        }
+        course
+    }
+
+    /// Adds a step that ends at `time` \[s\] and went well.
+    fn count(&mut self, report: &StepReport, time: f64) {
+        self.simulated = time;
+        self.sum.step += 1;
+        let (sum, work) = (&mut self.sum.work, report.work);
+        sum.substeps += work.substeps.max(1);
+        sum.rejected += work.rejected;
+        sum.iterations += work.iterations;
+        sum.factorisations += work.factorisations;
+    }
+}
+
+/// Reads the mean position of some points of the sheet: weights over the vertices of their faces.
+struct Probe {
+    weights: Vec<(usize, f64)>,
+}
+
+impl Probe {
+    fn new(mesh: &Mesh, points: &[Vector2<f64>]) -> Self {
+        let share = 1.0 / points.len() as f64;
+        let mut weights = vec![];
+        for point in points {
+            let found = mesh.faces.iter().map(|f| (f, barycentric(mesh, f, point)));
+            let least = |w: &[f64; 3]| w.iter().copied().fold(f64::INFINITY, f64::min);
+            let best = found.max_by(|(_, a), (_, b)| least(a).total_cmp(&least(b)));
+            if let Some((face, w)) = best {
+                weights.extend((0..3).map(|k| (face[k] as usize, w[k] * share)));
+            }
+        }
+        Self { weights }
+    }
+
+    fn read(&self, positions: &[Vector3<f64>]) -> Vector3<f64> {
+        self.weights.iter().map(|(v, w)| positions[*v] * *w).sum()
+    }
+}
+
+fn barycentric(mesh: &Mesh, face: &[u32; 3], p: &Vector2<f64>) -> [f64; 3] {
+    let [a, b, c] = face.map(|v| mesh.outline[v as usize]);
+    let area = (b - a).perp(&(c - a));
+    let (u, v) = ((c - b).perp(&(p - b)) / area, (a - c).perp(&(p - c)) / area);
+    [u, v, 1.0 - u - v]
+}

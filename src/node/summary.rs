@@ -1,0 +1,83 @@
+//! What a run came to: the reports of its steps, added up.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use crate::sim::{Energies, StepReport, Work};
+
+/// A quantity of every step, in the unit of its field.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Peak {
+    /// Largest value of the run.
+    pub largest: f64,
+    /// Value of the last step.
+    pub end: f64,
+}
+
+impl Peak {
+    fn add(&mut self, value: f64) {
+        self.largest = self.largest.max(value);
+        self.end = value;
+    }
+}
+
+/// What a run came to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Summary {
+    /// Steps taken.
+    pub steps: u64,
+    /// Simulated time \[s\].
+    pub time: f64,
+    /// Whether the run was stopped from outside before its end.
+    pub stopped: bool,
+    /// Work of all steps.
+    pub work: Work,
+    /// Energy ledger at the end \[J\].
+    pub energies: Energies,
+    /// Readings at the end, named by the scene \[m\].
+    pub readings: Vec<(String, f64)>,
+    /// Largest principal membrane strain, absolute \[-\].
+    pub largest_strain: Peak,
+    /// Deepest penetration into an obstacle \[m\].
+    pub deepest_penetration: Peak,
+    /// Whether every step converged.
+    pub converged: bool,
+    /// Digest of the last state.
+    pub digest: u64,
+    /// Wall time \[s\].
+    pub wall_seconds: f64,
+    /// CPU time of the whole process, recording included \[s\].
+    pub cpu_seconds: f64,
+    /// The recording, if there is one.
+    pub recording: Option<PathBuf>,
+    /// Its size \[bytes\].
+    pub recording_bytes: u64,
+}
+
+impl Summary {
+    /// Of a run that has taken no step.
+    pub(super) fn new() -> Self {
+        Self {
+            converged: true,
+            ..Self::default()
+        }
+    }
+
+    /// Counts a step.
+    pub(super) fn add(&mut self, report: &StepReport) {
+        self.steps = report.step;
+        self.time = report.time;
+        self.work.substeps += report.work.substeps;
+        self.work.rejected += report.work.rejected;
+        self.work.iterations += report.work.iterations;
+        self.work.factorisations += report.work.factorisations;
+        self.work.solves += report.work.solves;
+        self.work.halvings += report.work.halvings;
+        self.energies = report.energies;
+        self.largest_strain.add(report.largest_strain);
+        self.deepest_penetration.add(report.deepest_penetration);
+        self.converged &= report.converged;
+        self.digest = report.digest;
+    }
+}

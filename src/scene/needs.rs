@@ -1,0 +1,102 @@
+//! Which physics a scene pays for, and why: the one place that decides it.
+//!
+//! A term that is not needed is not assembled, has no place in the sparsity pattern, and costs nothing.
+
+use std::fmt;
+
+use super::quantity::short;
+use super::spec::Scene;
+
+/// A term of the equation of motion; each has its folder in `physics`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Term {
+    /// Membrane strain.
+    Stretch,
+    /// Curvature.
+    Bend,
+    /// Weight.
+    Gravity,
+    /// Viscous damping.
+    Damping,
+    /// Pins and clamps.
+    Support,
+    /// Contact with obstacles.
+    Contact,
+    /// Coulomb friction on obstacles.
+    Friction,
+}
+
+/// Why a scene needs a term: the scene's own values in a few words.
+pub type Reason = String;
+
+impl Term {
+    /// All terms, in the order in which they are assembled.
+    pub const ALL: [Term; 7] = [
+        Term::Stretch,
+        Term::Bend,
+        Term::Gravity,
+        Term::Damping,
+        Term::Support,
+        Term::Contact,
+        Term::Friction,
+    ];
+
+    /// The name of its folder in `physics`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Term::Stretch => "stretch",
+            Term::Bend => "bend",
+            Term::Gravity => "gravity",
+            Term::Damping => "damping",
+            Term::Support => "support",
+            Term::Contact => "contact",
+            Term::Friction => "friction",
+        }
+    }
+
+    /// Why a checked scene needs the term; nothing if it does not.
+    fn reason(self, scene: &Scene) -> Option<Reason> {
+        let fabric = || format!("fabric {}", scene.fabric.name);
+        match self {
+            Term::Stretch => Some(format!("{} has a membrane stiffness", fabric())),
+            Term::Bend => Some(format!("{} has a flexural rigidity", fabric())),
+            Term::Gravity => {
+                let [x, y, z] = scene.gravity.map(short);
+                let weighs = scene.gravity != [0.0; 3];
+                weighs.then(|| format!("gravity = [{x}, {y}, {z}] m/s²"))
+            }
+            Term::Damping => {
+                let mu = scene.damping;
+                (mu > 0.0).then(|| format!("damping = {} kg/(m²·s)", short(mu)))
+            }
+            Term::Support => list(scene.support.keys().map(|name| format!("support.{name}"))),
+            Term::Contact => list(scene.obstacle.keys().map(|name| format!("obstacle.{name}"))),
+            Term::Friction => {
+                let rough = scene.obstacle.iter().filter(|(_, o)| o.friction > 0.0);
+                list(
+                    rough.map(|(name, o)| {
+                        format!("obstacle.{name}.friction = {}", short(o.friction))
+                    }),
+                )
+            }
+        }
+    }
+}
+
+impl fmt::Display for Term {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// The terms that a checked scene needs, in the order in which they are assembled, each with its reason.
+pub fn needs(scene: &Scene) -> Vec<(Term, Reason)> {
+    let need = |term: Term| Some((term, term.reason(scene)?));
+    Term::ALL.into_iter().filter_map(need).collect()
+}
+
+/// The parts with commas between; nothing if there are none.
+fn list(parts: impl Iterator<Item = String>) -> Option<String> {
+    let parts: Vec<_> = parts.collect();
+    (!parts.is_empty()).then(|| parts.join(", "))
+}

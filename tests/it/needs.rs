@@ -1,0 +1,66 @@
+//! Which physics a scene pays for, and that the model pays for no other.
+
+use toile::scene::{Term, library, needs};
+use toile::sim::Model;
+
+use crate::scene::{GOOD, good};
+
+fn terms(text: &str, overrides: &[&str]) -> Vec<Term> {
+    let needs = needs(&good(text, overrides));
+    needs.into_iter().map(|(term, _)| term).collect()
+}
+
+#[test]
+fn a_scene_needs_what_its_values_say() {
+    use Term::{Bend, Contact, Damping, Friction, Gravity, Stretch, Support};
+    assert_eq!(terms(GOOD, &[]), Term::ALL);
+    assert_eq!(
+        terms(GOOD, &["damping=0", "gravity=[0, 0, 0]"]),
+        [Stretch, Bend, Support, Contact, Friction]
+    );
+    assert_eq!(
+        terms(GOOD, &["obstacle.table.friction=0"]),
+        [Stretch, Bend, Gravity, Damping, Support, Contact]
+    );
+    assert_eq!(
+        terms(library::text("free-fall").unwrap(), &[]),
+        [Stretch, Bend, Gravity, Damping]
+    );
+}
+
+#[test]
+fn a_reason_quotes_the_scene() {
+    let scene = good(
+        GOOD,
+        &["obstacle.ball.shape={ kind = \"sphere\", radius = 0.02 }"],
+    );
+    let reasons: Vec<_> = needs(&scene)
+        .into_iter()
+        .map(|(_, reason)| reason)
+        .collect();
+    assert_eq!(
+        reasons,
+        [
+            "fabric F1 has a membrane stiffness",
+            "fabric F1 has a flexural rigidity",
+            "gravity = [0, 0, -9.81] m/s²",
+            "damping = 0.1 kg/(m²·s)",
+            "support.left",
+            "obstacle.ball, obstacle.table",
+            "obstacle.table.friction = 0.3",
+        ]
+    );
+}
+
+#[test]
+fn the_model_has_the_terms_that_the_scene_needs() {
+    for name in library::names() {
+        let scene = good(library::text(name).unwrap(), &["sheet.triangles=100"]);
+        let needs = needs(&scene);
+        let needed = |term| needs.iter().any(|(needed, _)| *needed == term);
+        let model = Model::new(&scene, scene.fabric.resolve().unwrap());
+        assert_eq!(model.contact.is_some(), needed(Term::Contact), "{name}");
+        assert_eq!(!model.supports.is_empty(), needed(Term::Support), "{name}");
+        assert_eq!(model.gravity.total() > 0.0, needed(Term::Gravity), "{name}");
+    }
+}
