@@ -12,8 +12,8 @@ pub fn scene(text: &str) -> Scene {
 
 /// A built-in scene with `KEY=VALUE` put in.
 pub fn built_in(name: &str, set: &[&str]) -> Scene {
-    let text = library::find(name).unwrap();
-    let overrides: Vec<Override> = set.iter().map(|s| s.parse().unwrap()).collect();
+    let text = library::text(name).unwrap();
+    let overrides: Vec<Override> = set.iter().map(|s| Override::parse(s).unwrap()).collect();
     parse(text, &overrides).unwrap_or_else(|e| panic!("{e}")).0
 }
 

@@ -2,9 +2,12 @@
 
 mod charts;
 mod cli;
+mod lab;
 mod messages;
+mod order;
 mod pictures;
 mod recording;
 mod refusal;
 mod scene;
 mod tidy;
+mod verify;

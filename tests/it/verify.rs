@@ -1,11 +1,12 @@
 //! Verification against closed forms and independent codes: `tests/references/`, its README says how they were made.
 
 use crate::lab::{Table, built_in, internal_forces, reading, run, scene, simulation, slopes};
+use toile::scene::Scene;
 
 const TENSILE: &str = include_str!("../references/tensile.csv");
 const FREE_FALL: &str = include_str!("../references/free_fall.csv");
 const ELASTICA: &str = include_str!("../references/heavy_elastica.csv");
-const FOUR_EDGES: &str = include_str!("../references/square_four_edges.json");
+pub const FOUR_EDGES: &str = include_str!("../references/square_four_edges.json");
 
 const STRIP: [f64; 2] = [0.2, 0.05];
 
@@ -31,7 +32,7 @@ fn tension(fabric: &str, angle: f64, strain: f64, extra: &str) -> f64 {
         -0.5 * width,
     );
     let mut simulation = simulation(&scene(&text));
-    simulation.settle(1e-10).unwrap();
+    simulation.settle(1e-7).unwrap();
     let jaw = simulation.model().mesh.outline.iter().map(|p| p.x > 0.5 * length - 1e-9);
     let forces = internal_forces(&simulation);
     let force: f64 = jaw.zip(&forces).filter(|(held, _)| *held).map(|(_, f)| f.x).sum();
@@ -39,7 +40,8 @@ fn tension(fabric: &str, angle: f64, strain: f64, extra: &str) -> f64 {
 }
 
 /// Uniform tension along a yarn: P = E h e (1 + strain) with e the Green strain. Constant strain is in the
-/// space of the linear triangle on any mesh, so only the solver's tolerance is left.
+/// space of the linear triangle on any mesh, so only the solver's tolerance is left: 1e-7 of the weight, 1e-9 of
+/// the tension.
 #[test]
 fn verify_tension_along_warp_and_weft() {
     let table = Table::new(TENSILE);
@@ -114,7 +116,7 @@ fn verify_free_fall() {
                     &format!("method.scheme={scheme}"),
                     &format!("method.dt={dt}"),
                     "sheet.triangles=120",
-                    "method.tolerance=1e-11",
+                    "method.tolerance=1e-10",
                 ],
             );
             let simulation = run(&scene);
@@ -127,17 +129,20 @@ fn verify_free_fall() {
             assert!(strain < 1e-10, "{scheme}: strain {strain:e} in free fall");
             let places = simulation.state().positions.iter().map(|x| x.z);
             let (low, high) = places.fold((f64::MAX, f64::MIN), |(l, h), z| (l.min(z), h.max(z)));
-            assert!(high - low < 1e-10, "{scheme}: the sheet is no longer flat by {}", high - low);
+            assert!(high - low < 1e-9, "{scheme}: the sheet is no longer flat by {}", high - low);
         }
     }
 }
 
-/// A strip of F1 along the warp, clamped horizontally, at rest under its weight; triangles on jittered meshes.
-/// Returns tip x/L and drop/L and the number of triangles.
-fn cantilever(gamma: f64, triangles: usize, seed: u64) -> ([f64; 2], usize) {
+/// Length at which F1's warp has Gamma = rho g L³/D \[m\].
+fn strip_length(gamma: f64) -> f64 {
     let fabric = toile::fabric::find("F1").unwrap();
-    let length = (gamma * fabric.rigidity_warp / (fabric.areal_density * 9.81)).cbrt();
-    let scene = built_in(
+    (gamma * fabric.rigidity_warp / (fabric.areal_density * 9.81)).cbrt()
+}
+
+/// A strip of F1 along the warp, a third as wide, clamped horizontally, on a jittered mesh.
+fn strip(length: f64, triangles: usize, seed: u64) -> Scene {
+    built_in(
         "cantilever",
         &[
             &format!("sheet.outline.length={length}"),
@@ -149,8 +154,13 @@ fn cantilever(gamma: f64, triangles: usize, seed: u64) -> ([f64; 2], usize) {
             &format!("observe.tip_x.points=[[{}, 0.0]]", 0.5 * length),
             &format!("observe.tip_z.points=[[{}, 0.0]]", 0.5 * length),
         ],
-    );
-    let mut simulation = simulation(&scene);
+    )
+}
+
+/// Tip x/L and drop/L at rest, and the number of triangles.
+fn cantilever(gamma: f64, triangles: usize, seed: u64) -> ([f64; 2], usize) {
+    let length = strip_length(gamma);
+    let mut simulation = simulation(&strip(length, triangles, seed));
     simulation.settle(1e-8).unwrap();
     // The whole free edge, so that the mean does not depend on where its vertices lie.
     let model = simulation.model();
@@ -168,13 +178,18 @@ fn cantilever(gamma: f64, triangles: usize, seed: u64) -> ([f64; 2], usize) {
 fn verify_cantilever_against_the_heavy_elastica() {
     let table = Table::new(ELASTICA);
     for gamma in ["1", "8", "20"] {
-        let exact = elastica(&table, gamma.parse().unwrap());
+        let exact = elastica(gamma.parse().unwrap());
+        if gamma != "20" {
+            let known = ["x_tip_over_L", "drop_over_L"].map(|name| table.get(gamma, name));
+            assert!((exact[0] - known[0]).hypot(exact[1] - known[1]) < 1e-9, "{exact:?}");
+        }
         let (mut sizes, mut errors) = (vec![], vec![]);
         for triangles in [60, 216, 850] {
             // The error on one jittered mesh has a random part: the mean over meshes has an order.
-            let mut mean = 0.0;
+            let (mut mean, mut count) = (0.0, 0);
             for seed in 0..3 {
-                let (tip, count) = cantilever(gamma.parse().unwrap(), triangles, seed);
+                let (tip, faces) = cantilever(gamma.parse().unwrap(), triangles, seed);
+                count = faces;
                 let off = (tip[0] - exact[0]).hypot(tip[1] - exact[1]);
                 println!("Gamma {gamma}, {count} triangles: tip {tip:.5?}, exact {exact:.5?}, off {off:.1e} L");
                 if count >= 195 {
@@ -182,15 +197,107 @@ fn verify_cantilever_against_the_heavy_elastica() {
                 }
                 mean += off / 3.0;
             }
-            sizes.push((1.0 / triangles as f64).sqrt());
+            sizes.push((1.0 / count as f64).sqrt());
             errors.push(mean);
         }
-        println!("Gamma {gamma}: mean errors {errors:.1e?}, orders {:.2?}", slopes(&sizes, &errors));
+        let orders = slopes(&sizes, &errors);
+        println!("Gamma {gamma}: mean errors {errors:.5?}, orders {orders:.2?}");
+        // Second order in theory. The coarsest mesh has 68 triangles over a bend of 83 degrees: not yet there.
+        assert!(orders[1] > 1.7, "Gamma {gamma}: orders {orders:.2?}");
     }
 }
 
-/// Tip x/L and drop/L.
-fn elastica(table: &Table, gamma: f64) -> [f64; 2] {
-    let names = ["x_tip_over_L", "drop_over_L"];
-    names.map(|name| table.get(&gamma.to_string(), name))
+/// Tip x/L and drop/L of `theta'' = -Gamma (1 - s) cos theta`, theta(0) = theta'(1) = 0: shooting from the clamp
+/// with Runge and Kutta's rule and secants. Checked against the table, which has no row for 20.
+fn elastica(gamma: f64) -> [f64; 2] {
+    const STEPS: usize = 2000;
+    let rate = |s: f64, y: &[f64; 4]| {
+        let (sin, cos) = y[0].sin_cos();
+        [y[1], -gamma * (1.0 - s) * cos, cos, sin]
+    };
+    let shoot = |curvature: f64| {
+        let (mut y, h) = ([0.0, curvature, 0.0, 0.0], 1.0 / STEPS as f64);
+        for i in 0..STEPS {
+            let s = i as f64 * h;
+            let ahead = |k: &[f64; 4], h: f64| std::array::from_fn(|j| y[j] + h * k[j]);
+            let k1 = rate(s, &y);
+            let k2 = rate(s + 0.5 * h, &ahead(&k1, 0.5 * h));
+            let k3 = rate(s + 0.5 * h, &ahead(&k2, 0.5 * h));
+            let k4 = rate(s + h, &ahead(&k3, h));
+            y = std::array::from_fn(|j| y[j] + h / 6.0 * (k1[j] + 2.0 * (k2[j] + k3[j]) + k4[j]));
+        }
+        y
+    };
+    // The curvature at the clamp lies between that of a hinge's limit, sqrt(2 Gamma), and none.
+    let (mut low, mut high) = (0.0, (2.0 * gamma).sqrt());
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if shoot(middle)[1] < 0.0 {
+            low = middle
+        } else {
+            high = middle
+        }
+    }
+    let end = shoot(0.5 * (low + high));
+    [end[2], end[3]]
+}
+
+/// At Gamma = 30 most of the bend sits next to the clamp: the held slopes stay horizontal, and the first
+/// tangents turn no more than the elastica does within their triangle.
+#[test]
+fn verify_a_clamp_keeps_its_slope() {
+    let length = strip_length(30.0);
+    let mut simulation = simulation(&strip(length, 850, 0));
+    simulation.settle(1e-8).unwrap();
+    let (model, state) = (simulation.model(), simulation.state());
+    let held = &model.supports[0].edges;
+    assert!(held.len() > 3, "{} edges are clamped", held.len());
+    for &e in held {
+        let turned = state.slopes[e as usize].cross(&nalgebra::Vector3::x()).norm();
+        assert!(turned < 1e-12, "edge {e} turned by {turned}");
+    }
+    // kappa L at the clamp, from the table; the tangent of a triangle is its mean, at a third of its depth.
+    let kappa = Table::new(ELASTICA).get("30", "kappa_clamp_times_L") / length;
+    let mut steepest = 0.0f64;
+    for &e in held {
+        let face = model.mesh.faces[model.mesh.edge_faces[e as usize][0] as usize];
+        let third = face.iter().find(|v| !model.mesh.edges[e as usize].contains(v)).unwrap();
+        let [a, _] = model.mesh.edges[e as usize].map(|v| state.positions[v as usize]);
+        let along = state.positions[*third as usize] - a;
+        let depth = along.x.hypot(along.z);
+        let slope = (-along.z).atan2(along.x);
+        steepest = steepest.max(slope / (0.5 * kappa * depth));
+    }
+    println!("Gamma 30: first chords over half the clamp's curvature x depth: {steepest:.3}");
+    // The chord of an arc turns by half its curvature x length; the curvature falls along the strip. 5 % is
+    // the second order error of a mesh with 6 triangles per bending length.
+    assert!((0.7..1.05).contains(&steepest), "the clamp gives way: {steepest}");
+}
+
+/// Sag of the pinned and the clamped square against a B-spline code whose own error is below 0.003 mm.
+#[test]
+fn verify_square_on_four_edges() {
+    let cases: Vec<serde_json::Value> = serde_json::from_str(FOUR_EDGES).unwrap();
+    for (kind, twist, known) in [
+        ("pin", "geometric", "geo"),
+        ("pin", "none", "zero"),
+        ("clamp", "geometric", "geo"),
+    ] {
+        let same = |case: &&serde_json::Value| {
+            case["fabric"] == "F1" && case["bc"] == kind && case["twist"] == known
+        };
+        let exact = cases.iter().find(same).unwrap()["center_sag_mm"].as_f64().unwrap();
+        let set = [
+            format!("support.edges.kind={kind}"),
+            format!("fabric.twist={twist}"),
+            "sheet.triangles=1500".to_string(),
+        ];
+        let set: Vec<&str> = set.iter().map(String::as_str).collect();
+        let mut simulation = simulation(&built_in("four-edges", &set));
+        simulation.settle(1e-7).unwrap();
+        let sag = -1e3 * reading(&simulation, "centre");
+        let off = sag / exact - 1.0;
+        println!("four edges, {kind}, twist {twist}: {sag:.4} mm, exact {exact:.4}, off {:.2} %", 100.0 * off);
+        assert!(off.abs() < 5e-3, "{kind}, twist {twist}: {sag} mm, not {exact}");
+    }
 }
