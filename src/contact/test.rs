@@ -66,8 +66,7 @@ fn derivatives_of_distance_hold_for_every_shape() {
                 continue;
             }
             checked += 1;
-            let normal =
-                Vector3::from_fn(|a, _| (ahead[a].value - behind[a].value) / (2.0 * h));
+            let normal = Vector3::from_fn(|a, _| (ahead[a].value - behind[a].value) / (2.0 * h));
             let curvature = Matrix3::from_columns(&std::array::from_fn::<_, 3, _>(|a| {
                 (ahead[a].normal - behind[a].normal) / (2.0 * h)
             }));
@@ -185,10 +184,16 @@ fn detection_covers_the_whole_surface() {
                 }
             }
         }
-        assert!(worst < 1e-6, "{shape:?}: a point is {worst:e} m deeper than any found");
+        assert!(
+            worst < 1e-6,
+            "{shape:?}: a point is {worst:e} m deeper than any found"
+        );
         assert!(kinds[0] > 5, "{shape:?}: features found {kinds:?}");
         if shape != Shape::Plane {
-            assert!(kinds[1] > 20 && kinds[2] > 2, "{shape:?}: features found {kinds:?}");
+            assert!(
+                kinds[1] > 20 && kinds[2] > 2,
+                "{shape:?}: features found {kinds:?}"
+            );
         }
     }
 }
@@ -235,9 +240,21 @@ fn a_corner_under_a_face_is_found() {
     };
     let positions: Vec<_> = mesh.material.iter().map(|p| p.push(0.0)).collect();
     let mut found = vec![];
-    detect(&mesh, &Features::new(&mesh), &positions, (0, &body), 1e-4, &mut found);
+    detect(
+        &mesh,
+        &Features::new(&mesh),
+        &positions,
+        (0, &body),
+        1e-4,
+        &mut found,
+    );
     let exact = sampled(&body, [positions[0], positions[1], positions[2]]);
     assert!((exact - 5e-5).abs() < 1e-9, "{exact}");
-    let deepest = found.iter().fold(1e-4, |m: f64, near| m.min(near.distance.value));
-    assert!((deepest - exact).abs() < 1e-6, "{deepest} instead of {exact}");
+    let deepest = found
+        .iter()
+        .fold(1e-4, |m: f64, near| m.min(near.distance.value));
+    assert!(
+        (deepest - exact).abs() < 1e-6,
+        "{deepest} instead of {exact}"
+    );
 }

@@ -42,11 +42,22 @@ fn the_catalogue_is_table_2_in_si() {
 /// Table 1 gives weaves in groups of four, by which the catalogue is documented.
 #[test]
 fn the_catalogue_is_ordered_as_table_1() {
-    let names: Vec<_> = TABLE_1.lines().skip(1).map(|l| l.split(',').next().unwrap()).collect();
+    let names: Vec<_> = TABLE_1
+        .lines()
+        .skip(1)
+        .map(|l| l.split(',').next().unwrap())
+        .collect();
     let ours: Vec<_> = catalogue().into_iter().map(|f| f.name).collect();
     assert_eq!(names, ours);
-    let weaves: Vec<_> = TABLE_1.lines().skip(1).map(|l| l.split(',').nth(1).unwrap()).collect();
-    assert_eq!([weaves[0], weaves[4], weaves[8]], ["plain", "twill", "satin"]);
+    let weaves: Vec<_> = TABLE_1
+        .lines()
+        .skip(1)
+        .map(|l| l.split(',').nth(1).unwrap())
+        .collect();
+    assert_eq!(
+        [weaves[0], weaves[4], weaves[8]],
+        ["plain", "twill", "satin"]
+    );
 }
 
 /// Modulus in tension at 45 degrees, from the inverse of C: 1/E45 = (S11 + S22 + 2 S12 + S66)/4 per thickness.
@@ -103,15 +114,23 @@ fn the_unphysical_is_refused_by_name() {
             spoil(&mut fabric, value);
             let refusal = fabric.check().unwrap_err();
             assert_eq!(refusal.field, name);
-            assert!(refusal.to_string().contains("finite and positive"), "{refusal}");
+            assert!(
+                refusal.to_string().contains("finite and positive"),
+                "{refusal}"
+            );
         }
     }
     let mut fabric = find("F1").unwrap();
     fabric.poisson_weft = -0.1;
     assert_eq!(fabric.check().unwrap_err().field, "poisson_weft");
     fabric.poisson_weft = 4.0;
-    fabric.check().expect("the ratio is not used without coupling");
+    fabric
+        .check()
+        .expect("the ratio is not used without coupling");
     fabric.poisson = PoissonCoupling::Symmetrised;
     let refusal = fabric.check().unwrap_err();
-    assert!(refusal.to_string().contains("not positive definite"), "{refusal}");
+    assert!(
+        refusal.to_string().contains("not positive definite"),
+        "{refusal}"
+    );
 }

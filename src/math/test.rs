@@ -63,7 +63,12 @@ fn dissection_is_a_permutation_with_separators_last() {
     let mut centres = vec![];
     for i in 0..20 {
         for j in 0..2 {
-            elements.push([node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)]);
+            elements.push([
+                node(i, j),
+                node(i + 1, j),
+                node(i + 1, j + 1),
+                node(i, j + 1),
+            ]);
             centres.push([f64::from(i) + 0.5, f64::from(j) + 0.5]);
         }
     }
@@ -71,7 +76,10 @@ fn dissection_is_a_permutation_with_separators_last() {
     let separator: Vec<u32> = order[60..63].to_vec();
     assert_eq!(order[63..], [63, 64], "nodes in no element come last");
     let column = separator[0] / 3;
-    assert!((8..=12).contains(&column), "the last cut is near the middle: {column}");
+    assert!(
+        (8..=12).contains(&column),
+        "the last cut is near the middle: {column}"
+    );
     assert!(separator.iter().all(|n| n / 3 == column));
     order.sort_unstable();
     assert_eq!(order, (0..65).collect::<Vec<_>>());

@@ -132,7 +132,10 @@ pub fn projection<const N: usize>(exact: &Hessian<N>, projected: &Hessian<N>, na
     );
     if least(&exact) >= -1e-13 * size {
         let apart = (&exact - &projected).norm();
-        assert!(apart <= 1e-10 * size, "{name}: needless projection {apart:.1e}");
+        assert!(
+            apart <= 1e-10 * size,
+            "{name}: needless projection {apart:.1e}"
+        );
     }
 }
 
@@ -149,7 +152,11 @@ pub fn rigid_motion<const N: usize>(
     for _ in 0..5 {
         let (turn, shift) = (chance.rotation(), chance.vector(0.1));
         let moved = std::array::from_fn(|k| {
-            let shift = if k < positions { shift } else { Vector3::zeros() };
+            let shift = if k < positions {
+                shift
+            } else {
+                Vector3::zeros()
+            };
             turn * x[k] + shift
         });
         let (value, again) = (term.value(s, x), term.value(s, &moved));

@@ -72,7 +72,10 @@ fn areas_add_up() {
             _ => 3e-3,
         };
         assert!(off.abs() < polygon, "{outline:?}: area off by {off:e}");
-        assert!(mesh.face_areas.iter().all(|&a| a > 0.0), "a face is turned over");
+        assert!(
+            mesh.face_areas.iter().all(|&a| a > 0.0),
+            "a face is turned over"
+        );
     }
 }
 
@@ -80,7 +83,11 @@ fn areas_add_up() {
 fn the_hole_of_an_annulus_is_empty() {
     let mesh = meshed(&outlines()[3], 1500, 0.0, 0);
     for face in &mesh.faces {
-        let centre = face.iter().map(|&v| mesh.outline[v as usize]).sum::<nalgebra::Vector2<f64>>() / 3.0;
+        let centre = face
+            .iter()
+            .map(|&v| mesh.outline[v as usize])
+            .sum::<nalgebra::Vector2<f64>>()
+            / 3.0;
         assert!(centre.norm() > 0.085, "a face at {centre}");
     }
     // Euler: V - E + F = 0 for a ring, 1 for a disc.
@@ -109,7 +116,10 @@ fn edges_and_faces_know_each_other() {
         for k in 0..3 {
             let e = mesh.face_edges[f][k] as usize;
             let corner = mesh.faces[f][k];
-            assert!(!mesh.edges[e].contains(&corner), "edge k is opposite to corner k");
+            assert!(
+                !mesh.edges[e].contains(&corner),
+                "edge k is opposite to corner k"
+            );
             assert!(mesh.edges[e].iter().all(|v| mesh.faces[f].contains(v)));
             assert!(mesh.edge_faces[e].contains(&(f as u32)));
             seen[e] += 1;

@@ -80,14 +80,19 @@ impl Table {
 
     fn column(&self, name: &str) -> usize {
         let names = &self.names;
-        names.iter().position(|n| *n == name).unwrap_or_else(|| panic!("no column {name}"))
+        names
+            .iter()
+            .position(|n| *n == name)
+            .unwrap_or_else(|| panic!("no column {name}"))
     }
 
     /// The number in column `name` of the row whose first column reads `key`.
     pub fn get(&self, key: &str, name: &str) -> f64 {
         let column = self.column(name);
         let row = self.rows.iter().find(|row| row[0] == key);
-        row.unwrap_or_else(|| panic!("no row {key}"))[column].parse().unwrap()
+        row.unwrap_or_else(|| panic!("no row {key}"))[column]
+            .parse()
+            .unwrap()
     }
 
     /// The rows whose cells read as given.

@@ -2,6 +2,8 @@
 
 mod charts;
 mod cli;
+mod consistency;
+mod energy;
 mod lab;
 mod messages;
 mod order;

@@ -42,7 +42,14 @@ fn sampled(
         let n = mesh.edge_normal(e);
         r1 * n.x + r2 * n.y
     };
-    [vertex(0), vertex(1), vertex(2), slope(0), slope(1), slope(2)]
+    [
+        vertex(0),
+        vertex(1),
+        vertex(2),
+        slope(0),
+        slope(1),
+        slope(2),
+    ]
 }
 
 #[test]

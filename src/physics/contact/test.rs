@@ -135,10 +135,16 @@ fn derivatives_hold_for_every_shape_and_feature() {
             }
             let turn = chance.rotation();
             let shift = pose.translation.vector + chance.vector(7e-3);
-            let x: Nodes<3> =
-                std::array::from_fn(|k| turn * mesh.material[k].push(0.0) + shift);
+            let x: Nodes<3> = std::array::from_fn(|k| turn * mesh.material[k].push(0.0) + shift);
             let mut proximities = vec![];
-            detect(&mesh, &features, &x, (0, &bodies[0]), LAW.offset, &mut proximities);
+            detect(
+                &mesh,
+                &features,
+                &x,
+                (0, &bodies[0]),
+                LAW.offset,
+                &mut proximities,
+            );
             let contact = Contact {
                 law: LAW,
                 mesh: &mesh,
@@ -147,13 +153,18 @@ fn derivatives_hold_for_every_shape_and_feature() {
             };
             for (s, near) in proximities.iter().enumerate() {
                 let enough = seen[near.freedom()] >= 6 || near.share < 0.05;
-                if enough || !clear(near) || !smooth_range(&contact, s, &x) || flat(&contact, s, &x) {
+                if enough || !clear(near) || !smooth_range(&contact, s, &x) || flat(&contact, s, &x)
+                {
                     continue;
                 }
                 seen[near.freedom()] += 1;
                 let name = format!("{name}, freedom {}", near.freedom());
                 suite::against(&contact, &Sliding(&contact), s, &x, 2e-4, &name);
-                suite::projection(&contact.hessian(s, &x), &contact.hessian_projected(s, &x), &name);
+                suite::projection(
+                    &contact.hessian(s, &x),
+                    &contact.hessian_projected(s, &x),
+                    &name,
+                );
             }
         }
         // On a plane the nearest point is a corner, and a sharp crease is met within edges only.
@@ -163,7 +174,10 @@ fn derivatives_hold_for_every_shape_and_feature() {
             _ => [6, 6, 6],
         };
         for kind in 0..3 {
-            assert!(seen[kind] >= expected[kind], "{name}: features seen {seen:?}");
+            assert!(
+                seen[kind] >= expected[kind],
+                "{name}: features seen {seen:?}"
+            );
         }
     }
 }
@@ -195,7 +209,10 @@ fn the_law_is_twice_differentiable() {
         assert!(here[0] > 0.0 && here[1] < 0.0 && here[2] > 0.0);
     }
     for knot in [0.0, -super::ONSET] {
-        let (left, right) = (LAW.psi(knot * (1.0 + 1e-9) - 1e-18), LAW.psi(knot * (1.0 - 1e-9)));
+        let (left, right) = (
+            LAW.psi(knot * (1.0 + 1e-9) - 1e-18),
+            LAW.psi(knot * (1.0 - 1e-9)),
+        );
         for k in 0..3 {
             let size = LAW.psi(-super::ONSET)[k].abs();
             assert!((left[k] - right[k]).abs() < 1e-7 * size, "psi at {knot}");

@@ -56,7 +56,10 @@ fn derivatives_hold_where_the_face_is_nearly_collapsed() {
         suite::derivatives(&term, 0, &x, height, "collapsed");
     }
     let inverted = rest.map(|p| Vector3::new(p.x, -p.y, 0.0));
-    assert!(term.value(0, &inverted) < 1e-20, "a metric does not see a mirror");
+    assert!(
+        term.value(0, &inverted) < 1e-20,
+        "a metric does not see a mirror"
+    );
 }
 
 /// Tension keeps the exact Hessian, compression does not.

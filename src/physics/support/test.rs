@@ -33,7 +33,11 @@ fn a_clamp_holds_the_slopes_of_edges_with_both_ends_held() {
     let mesh = square();
     let clamp = Support::new(&mesh, left, true, [true; 3], Vector3::zeros());
     assert_eq!(clamp.vertices, [0, 3]);
-    let held: Vec<_> = clamp.edges.iter().map(|&e| mesh.edges[e as usize]).collect();
+    let held: Vec<_> = clamp
+        .edges
+        .iter()
+        .map(|&e| mesh.edges[e as usize])
+        .collect();
     assert_eq!(held, [[0, 3]]);
     let all = Support::new(&mesh, |_| true, true, [true; 3], Vector3::zeros());
     assert_eq!(all.edges.len(), mesh.edges.len());
