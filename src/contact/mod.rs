@@ -3,6 +3,8 @@
 mod detect;
 mod distance;
 mod obstacle;
+#[cfg(test)]
+mod test;
 
 pub use detect::{Features, Nearby, Proximity, detect};
 pub use distance::Distance;

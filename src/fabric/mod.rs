@@ -2,6 +2,8 @@
 
 mod catalogue;
 mod law;
+#[cfg(test)]
+mod test;
 pub mod units;
 
 pub use catalogue::{catalogue, find};

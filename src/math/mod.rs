@@ -4,3 +4,5 @@ pub mod cholesky;
 pub mod newton;
 pub mod ordering;
 pub mod sparse;
+#[cfg(test)]
+mod test;

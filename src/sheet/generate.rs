@@ -38,13 +38,23 @@ impl Outline {
     /// The edge length whose mesh has about `triangles` faces (within a few per cent).
     pub fn edge_for(&self, triangles: usize) -> f64 {
         let mut edge = self.equilateral_edge(triangles as f64);
-        for _ in 0..6 {
+        let mut best = (f64::INFINITY, edge);
+        for round in 0..24 {
             let boundary: usize = self.loops(edge).iter().map(Vec::len).sum();
             let holes = self.loops(edge).len() - 1;
             let count = (2 * (lattice(self, edge).len() + holes) + boundary).saturating_sub(2);
-            edge *= (count as f64 / triangles as f64).sqrt();
+            let ratio = count as f64 / triangles as f64;
+            let off = (ratio - 1.0).abs();
+            if off < best.0 {
+                best = (off, edge);
+            }
+            if round >= 6 && off < 0.04 {
+                return edge;
+            }
+            // The count jumps where a row of the lattice comes in, so full steps may go to and fro for ever.
+            edge *= ratio.powf(if round < 6 { 0.5 } else { 0.15 });
         }
-        edge
+        best.1
     }
 }
 

@@ -3,6 +3,8 @@
 mod generate;
 mod mesh;
 mod outline;
+#[cfg(test)]
+mod test;
 
 pub use generate::{MeshOptions, generate};
 pub use mesh::{Mesh, NO_FACE};

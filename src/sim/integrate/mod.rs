@@ -10,6 +10,8 @@ mod bdf2;
 pub mod explicit;
 mod generalised_alpha;
 mod gradient_flow;
+#[cfg(test)]
+mod test;
 
 use nalgebra::Vector3;
 

@@ -1,0 +1,128 @@
+//! The schemes on one mass on one linear spring, where everything is known.
+
+use nalgebra::{DMatrix, DVector, Vector3};
+
+use super::Rule;
+use crate::sim::state::{History, State};
+
+fn at(x: f64, v: f64, a: f64, before: [f64; 2], dt: f64) -> State {
+    let along = |c: f64| vec![Vector3::new(c, 0.0, 0.0)];
+    State {
+        step: 0,
+        positions: along(x),
+        velocities: along(v),
+        slopes: vec![],
+        obstacles: vec![],
+        history: History {
+            dt,
+            positions: along(before[0]),
+            velocities: along(before[1]),
+            accelerations: along(a),
+        },
+        bonds: vec![],
+    }
+}
+
+/// One step of a'' = -omega² x, solved exactly.
+fn step(rule: Rule, state: &mut State, omega: f64, dt: f64) {
+    let map = rule.map(state, dt);
+    let x = -map.b_a[0].x / (map.alpha_a + omega * omega);
+    rule.advance(state, &map, &[Vector3::new(x, 0.0, 0.0)], dt);
+}
+
+const RULES: [(Rule, f64, f64); 6] = [
+    // Rule, order, spectral radius at infinite frequency.
+    (Rule::BackwardEuler, 1.0, 0.0),
+    (Rule::Bdf2, 2.0, 0.0),
+    (Rule::GeneralisedAlpha(0.0), 2.0, 0.0),
+    (Rule::GeneralisedAlpha(0.5), 2.0, 0.5),
+    (Rule::GeneralisedAlpha(0.8), 2.0, 0.8),
+    (Rule::GeneralisedAlpha(1.0), 2.0, 1.0),
+];
+
+/// Error in position and velocity after a turn and a bit, from x = 1 at rest.
+#[test]
+fn order_on_a_linear_spring() {
+    for (rule, order, _) in RULES {
+        let error = |parts: u32| {
+            let dt = 7.0 / f64::from(parts);
+            let mut state = at(1.0, 0.0, -1.0, [0.0; 2], 0.0);
+            (0..parts).for_each(|_| step(rule, &mut state, 1.0, dt));
+            let (sin, cos) = 7f64.sin_cos();
+            (state.positions[0].x - cos).hypot(state.velocities[0].x + sin)
+        };
+        let slope = (error(800) / error(1600)).log2();
+        assert!((slope - order).abs() < 0.05, "{rule:?}: order {slope}");
+    }
+}
+
+/// Eigenvalues of one step as a linear map of (x, dt v, dt² a, x before, dt v before), largest in size.
+fn spectral_radius(rule: Rule, omega_dt: f64) -> f64 {
+    let dt = 1e-3;
+    let columns: Vec<DVector<f64>> = (0..5)
+        .map(|i| {
+            let unit = |j: usize| f64::from(u8::from(i == j));
+            let before = [unit(3), unit(4) / dt];
+            let mut state = at(unit(0), unit(1) / dt, unit(2) / (dt * dt), before, dt);
+            step(rule, &mut state, omega_dt / dt, dt);
+            let past = &state.history;
+            DVector::from_vec(vec![
+                state.positions[0].x,
+                state.velocities[0].x * dt,
+                past.accelerations[0].x * dt * dt,
+                past.positions[0].x,
+                past.velocities[0].x * dt,
+            ])
+        })
+        .collect();
+    let eigenvalues = DMatrix::from_columns(&columns).complex_eigenvalues();
+    eigenvalues.iter().map(|z| z.norm()).fold(0.0, f64::max)
+}
+
+/// Chung and Hulbert's rho at infinity is what they promise, and no frequency grows.
+#[test]
+fn stability_at_all_frequencies_and_dissipation_at_infinity() {
+    for (rule, _, at_infinity) in RULES {
+        for exponent in -20..=40 {
+            let omega_dt = 10f64.powf(0.1 * f64::from(exponent));
+            let radius = spectral_radius(rule, omega_dt);
+            assert!(radius < 1.0 + 1e-6, "{rule:?} at {omega_dt}: {radius}");
+        }
+        // A triple root turns rounding of 1e-16 into 1e-5, and 1/(omega dt)² into 1e-2 at 1e3.
+        let radius = spectral_radius(rule, 1e4);
+        assert!(
+            (radius - at_infinity).abs() < 0.02,
+            "{rule:?}: {radius} at infinity"
+        );
+    }
+}
+
+/// The trapezoidal rule keeps the energy of a linear spring.
+#[test]
+fn energy_is_kept_by_the_trapezoidal_rule() {
+    let mut state = at(1.0, 0.0, -1.0, [0.0; 2], 0.0);
+    for _ in 0..1000 {
+        step(Rule::GeneralisedAlpha(1.0), &mut state, 1.0, 0.3);
+        let energy = state.positions[0].norm_squared() + state.velocities[0].norm_squared();
+        assert!((energy - 1.0).abs() < 1e-11, "energy {energy}");
+    }
+}
+
+/// BDF2 with a step that changes is still exact for what is quadratic in time.
+#[test]
+fn bdf2_takes_a_variable_step() {
+    let place = |t: f64| 0.3 + 0.7 * t - 4.0 * t * t;
+    let speed = |t: f64| 0.7 - 8.0 * t;
+    let (before, dt) = (0.02, 0.035);
+    let state = at(
+        place(0.0),
+        speed(0.0),
+        -8.0,
+        [place(-before), speed(-before)],
+        before,
+    );
+    let map = Rule::Bdf2.map(&state, dt);
+    let x = place(dt);
+    assert!((map.alpha_v * x + map.b_v[0].x - speed(dt)).abs() < 1e-12);
+    assert!((map.alpha_a * x + map.b_a[0].x + 8.0).abs() < 1e-9);
+}
