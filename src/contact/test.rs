@@ -2,7 +2,7 @@ use nalgebra::{Matrix3, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use super::{Features, Obstacle, Pose, Proximity, Shape, Velocity, detect};
+use super::{Features, Nearby, Obstacle, Pose, Proximity, Shape, Velocity, detect};
 use crate::sheet::{Mesh, MeshOptions, Outline, generate};
 
 struct Chance(Pcg64);
@@ -166,7 +166,8 @@ fn detection_covers_the_whole_surface() {
                 .map(|p| turn * p.push(0.0) + shift + chance.vector(2e-3))
                 .collect();
             let mut found = vec![];
-            detect(&mesh, &features, &positions, (0, &body), REACH, &mut found);
+            let nearby = Nearby::find(&mesh, &positions, &body, REACH);
+            detect(&mesh, &features, &positions, (0, &body), &nearby, REACH, &mut found);
             check_points(&mesh, &positions, &body, &found);
             for near in &found {
                 kinds[near.freedom()] += 1;
@@ -245,6 +246,7 @@ fn a_corner_under_a_face_is_found() {
         &Features::new(&mesh),
         &positions,
         (0, &body),
+        &Nearby::find(&mesh, &positions, &body, 1e-4),
         1e-4,
         &mut found,
     );

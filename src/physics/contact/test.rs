@@ -1,7 +1,7 @@
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 use super::{Contact, ContactLaw, weighted};
-use crate::contact::{Features, Obstacle, Pose, Proximity, Shape, Velocity, detect};
+use crate::contact::{Features, Nearby, Obstacle, Pose, Proximity, Shape, Velocity, detect};
 use crate::physics::suite::{self, Chance};
 use crate::physics::{Gradient, Hessian, Nodes, Potential};
 use crate::sheet::Mesh;
@@ -142,6 +142,7 @@ fn derivatives_hold_for_every_shape_and_feature() {
                 &features,
                 &x,
                 (0, &bodies[0]),
+                &Nearby::find(&mesh, &x, &bodies[0], LAW.offset),
                 LAW.offset,
                 &mut proximities,
             );

@@ -12,6 +12,7 @@ fn at(x: f64, v: f64, a: f64, before: [f64; 2], dt: f64) -> State {
         positions: along(x),
         velocities: along(v),
         slopes: vec![],
+        slope_rates: vec![],
         obstacles: vec![],
         history: History {
             dt,
