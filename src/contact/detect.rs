@@ -46,7 +46,7 @@ impl Proximity {
 }
 
 /// Fraction of an edge (or of a face's height) over which the share fades to zero.
-const FADE: f64 = 0.2;
+const FADE: f64 = 0.1;
 /// Bisections across a face: 1e-9 of its width.
 const BISECTIONS: usize = 30;
 /// Most steps of a line minimisation.
@@ -97,10 +97,11 @@ type First = (f64, Vector3<f64>);
 impl Nearby {
     /// Collects the features that may be closer to `body` than `reach`; distance has Lipschitz constant 1.
     pub fn find(mesh: &Mesh, positions: &[Vector3<f64>], body: &Obstacle, reach: f64) -> Self {
-        let value = |x: &Vector3<f64>| body.shape.first_order(&body.to_local(x)).0;
-        let values: Vec<f64> = positions.iter().map(value).collect();
+        let local = body.all_to_local(positions.iter());
+        let value = |p: &Vector3<f64>| body.shape.first_order(p).0;
+        let values: Vec<f64> = local.iter().map(value).collect();
         let mut near: Vec<bool> = values.iter().map(|&value| value < reach).collect();
-        let position = |v: u32| positions[v as usize];
+        let position = |v: u32| local[v as usize];
         let is_near = |e: &u32| {
             let [a, b] = mesh.edges[*e as usize];
             let length = (position(b) - position(a)).norm();
@@ -161,11 +162,7 @@ pub fn detect(
     found: &mut Vec<Proximity>,
 ) {
     let (index, body) = obstacle;
-    let local: Vec<Vector3<f64>> = nearby
-        .vertices
-        .iter()
-        .map(|&v| body.to_local(&positions[v as usize]))
-        .collect();
+    let local = body.all_to_local(nearby.vertices.iter().map(|&v| &positions[v as usize]));
     let values: Vec<First> = local.iter().map(|p| body.shape.first_order(p)).collect();
     let key =
         |kind: u64, feature: u32| (u64::from(index) << 40) | (kind << 36) | u64::from(feature);

@@ -25,8 +25,23 @@ impl Obstacle {
     }
 
     /// A point of the world in the obstacle's frame.
-    pub(super) fn to_local(&self, point: &Vector3<f64>) -> Vector3<f64> {
+    fn to_local(&self, point: &Vector3<f64>) -> Vector3<f64> {
         self.pose.inverse_transform_point(&(*point).into()).coords
+    }
+
+    /// Points of the world in the obstacle's frame.
+    pub(super) fn all_to_local<'a>(
+        &self,
+        points: impl Iterator<Item = &'a Vector3<f64>>,
+    ) -> Vec<Vector3<f64>> {
+        let turn = self
+            .pose
+            .rotation
+            .to_rotation_matrix()
+            .into_inner()
+            .transpose();
+        let origin = self.pose.translation.vector;
+        points.map(|p| turn * (p - origin)).collect()
     }
 
     /// A distance found in the obstacle's frame, with its derivatives turned to the world's.

@@ -167,7 +167,15 @@ fn detection_covers_the_whole_surface() {
                 .collect();
             let mut found = vec![];
             let nearby = Nearby::find(&mesh, &positions, &body, REACH);
-            detect(&mesh, &features, &positions, (0, &body), &nearby, REACH, &mut found);
+            detect(
+                &mesh,
+                &features,
+                &positions,
+                (0, &body),
+                &nearby,
+                REACH,
+                &mut found,
+            );
             check_points(&mesh, &positions, &body, &found);
             for near in &found {
                 kinds[near.freedom()] += 1;

@@ -74,7 +74,7 @@ impl Default for MethodSpec {
             tolerance: 1e-4,
             max_iterations: 40,
             substep: None,
-            rho_infinity: 0.8,
+            rho_infinity: 0.3,
         }
     }
 }

@@ -55,30 +55,46 @@ impl Kernel {
 
     /// Subtracts the energies' derivative at `nodes` from `forces` \[N, N·m\].
     pub fn add_forces(&self, nodes: &[Lanes], forces: &mut [Lanes]) {
-        self.arch.dispatch(|| {
-            for face in &self.faces {
-                let [a, b, c, d, e, f] = face.nodes;
-                let [a, b, c] = [a as usize, b as usize, c as usize];
-                let [d, e, f] = [d as usize, e as usize, f as usize];
-                let x = [nodes[a], nodes[b], nodes[c], nodes[d], nodes[e], nodes[f]];
-                let (d1, d2) = (sub(x[1], x[0]), sub(x[2], x[0]));
-                let [mut f1, mut f2] = stretch(face, &self.membrane, d1, d2);
-                let slopes = [x[3], x[4], x[5]];
-                let bend = bend(
-                    face,
-                    &self.bending,
-                    [d1, d2, slopes[0], slopes[1], slopes[2]],
-                );
-                f1 = add(f1, bend[0]);
-                f2 = add(f2, bend[1]);
-                forces[a] = add(forces[a], add(f1, f2));
-                forces[b] = sub(forces[b], f1);
-                forces[c] = sub(forces[c], f2);
-                forces[d] = sub(forces[d], bend[2]);
-                forces[e] = sub(forces[e], bend[3]);
-                forces[f] = sub(forces[f], bend[4]);
-            }
+        self.arch.dispatch(Pass {
+            kernel: self,
+            nodes,
+            forces,
         });
+    }
+}
+
+/// One pass over the faces, compiled for the vector unit that the processor has.
+struct Pass<'a> {
+    kernel: &'a Kernel,
+    nodes: &'a [Lanes],
+    forces: &'a mut [Lanes],
+}
+
+impl pulp::WithSimd for Pass<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let (nodes, forces) = (self.nodes, self.forces);
+        for face in &self.kernel.faces {
+            let [a, b, c, d, e, f] = face.nodes;
+            let [a, b, c] = [a as usize, b as usize, c as usize];
+            let [d, e, f] = [d as usize, e as usize, f as usize];
+            let (d1, d2) = (sub(nodes[b], nodes[a]), sub(nodes[c], nodes[a]));
+            let [f1, f2] = stretch(face, &self.kernel.membrane, d1, d2);
+            let bend = bend(
+                face,
+                &self.kernel.bending,
+                [d1, d2, nodes[d], nodes[e], nodes[f]],
+            );
+            let (f1, f2) = (add(f1, bend[0]), add(f2, bend[1]));
+            forces[a] = add(forces[a], add(f1, f2));
+            forces[b] = sub(forces[b], f1);
+            forces[c] = sub(forces[c], f2);
+            forces[d] = sub(forces[d], bend[2]);
+            forces[e] = sub(forces[e], bend[3]);
+            forces[f] = sub(forces[f], bend[4]);
+        }
     }
 }
 

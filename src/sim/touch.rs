@@ -260,6 +260,6 @@ fn bond(
         normal: near.distance.normal,
         anchor: to.pose.transform_point(&local).coords,
         limit: friction * law.normal_force(near),
-        stiffness: law.stiffness * near.share.max(1e-3),
+        stiffness: law.grip * near.share.max(1e-3),
     }
 }

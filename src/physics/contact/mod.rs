@@ -19,6 +19,9 @@ const ONSET: f64 = 1e-5;
 pub struct ContactLaw {
     /// Stiffness k \[N/m\].
     pub stiffness: f64,
+    /// Tangential stiffness of a sticking contact \[N/m\]: a tenth of the normal one. Stiffer bonds turn from
+    /// stick to slip within nanometres, which Newton's method pays for.
+    pub grip: f64,
     /// Half the cloth thickness \[m\].
     pub offset: f64,
 }
@@ -26,8 +29,10 @@ pub struct ContactLaw {
 impl ContactLaw {
     /// Contact for a sheet of a weight \[N\], membrane stiffness sqrt(C11 C22) \[N/m\] and thickness \[m\].
     pub fn new(weight: f64, membrane: f64, thickness: f64) -> Self {
+        let stiffness = (weight / DEPTH).max(membrane);
         Self {
-            stiffness: (weight / DEPTH).max(membrane),
+            stiffness,
+            grip: 0.1 * stiffness,
             offset: 0.5 * thickness,
         }
     }

@@ -9,6 +9,7 @@ use crate::sheet::Mesh;
 /// Contact reaches 1 mm off the obstacle, so that its rounded edges are part of the game.
 const LAW: ContactLaw = ContactLaw {
     stiffness: 2e3,
+    grip: 2e2,
     offset: 1e-3,
 };
 

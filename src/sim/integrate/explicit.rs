@@ -24,9 +24,9 @@ pub const SAFETY: f64 = 0.9;
 /// Power iterations; the limit is then good to about 1 %.
 const POWER_ITERATIONS: usize = 200;
 /// Slope inertia over the least that keeps the slopes' own frequency at that of the membrane.
-const INERTIA_MARGIN: f64 = 2.0;
+const INERTIA_MARGIN: f64 = 4.0;
 /// How far the sheet may move against an obstacle before the features near it are collected anew \[m\].
-const MARGIN: f64 = 2e-3;
+const MARGIN: f64 = 1e-3;
 
 /// The explicit integrator: constants and work space.
 pub struct Explicit {
@@ -254,11 +254,14 @@ fn drift(nodes: &mut [Lanes], rates: &[Lanes], dt: f64, vertices: usize) -> f64 
     for (x, rate) in nodes.iter_mut().zip(rates) {
         *x = add(*x, scale(*rate, dt));
     }
-    rates[..vertices]
-        .iter()
-        .map(|rate| dot(*rate, *rate))
-        .fold(0.0, f64::max)
-        .sqrt()
+    let mut fastest = 0.0;
+    for rate in &rates[..vertices] {
+        let square = dot(*rate, *rate);
+        if square > fastest {
+            fastest = square;
+        }
+    }
+    fastest.sqrt()
 }
 
 /// Bound on the speed of any point of the obstacles within a metre of their origin \[m/s\].
@@ -283,7 +286,7 @@ fn slope_stiffness(model: &Model) -> Vec<f64> {
 /// the model has any.
 fn largest_frequency(model: &Model, nodes: &[Vector3<f64>], inertia: &[f64]) -> f64 {
     let vertices = model.masses.len();
-    let contact = model.contact.map_or(0.0, |law| 2.0 * law.stiffness);
+    let contact = model.contact.map_or(0.0, |law| law.stiffness + law.grip);
     let mut mode = vec![Vector3::zeros(); nodes.len()];
     for (n, x) in mode[..inertia.len()].iter_mut().enumerate() {
         // Any vector that no mode is orthogonal to will do; this one has all wavelengths.
