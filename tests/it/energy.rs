@@ -65,31 +65,24 @@ fn energy_of_the_released_strip() {
     }
 }
 
-/// A small drape over the table: contact and friction are in the ledger.
+/// A small drape over the table: contact and friction are in the ledger. BDF2 gains at contact onset what its
+/// memory of the velocity before it carries, 0.6 % of the kinetic energy where it was measured (300 triangles, 0.1 s).
 #[test]
 fn energy_of_a_drape_never_grows() {
-    for (scheme, dt) in [
-        ("backward-euler", 1e-3),
-        ("bdf2", 1e-3),
-        ("generalised-alpha", 1e-3),
-        ("central-difference", 1e-3),
-    ] {
+    for (scheme, gain) in [("bdf2", 2e-2), ("central-difference", 2e-2)] {
         let scene = built_in(
             "drape-table",
             &[
                 &format!("method.scheme={scheme}"),
-                &format!("method.dt={dt}"),
-                "sheet.triangles=300",
-                "duration=0.1",
+                "method.dt=1e-3",
+                "sheet.triangles=100",
+                "duration=0.05",
             ],
         );
-        let now = std::time::Instant::now();
-        let r = std::panic::catch_unwind(|| drifts(&mut simulation(&scene), scene.steps()));
-        println!("{scheme} {:?}", now.elapsed());
-        let Ok(drifts) = r else { continue };
+        let drifts = drifts(&mut simulation(&scene), scene.steps());
         let [low, high] = extremes(&drifts);
-        println!(
-            "drape, {scheme}, dt {dt}: ledger from {low:.1e} to {high:.1e} of the kinetic energy"
-        );
+        println!("drape, {scheme}: ledger from {low:.1e} to {high:.1e} of the kinetic energy");
+        assert!(high < gain, "{scheme}: gains {high:e}");
+        assert!(low > -0.5, "{scheme}: loses {low:e}");
     }
 }
