@@ -6,7 +6,8 @@
 use nalgebra::Vector3;
 
 use super::distance::Distance;
-use super::obstacle::{Obstacle, Shape};
+use super::minimum::{First, within_edge, within_face};
+use super::obstacle::Obstacle;
 use crate::sheet::Mesh;
 
 /// A point of the sheet near an obstacle.
@@ -20,8 +21,9 @@ pub struct Proximity {
     pub face: u32,
     /// Barycentric coordinates of the point in that face.
     pub weights: [f64; 3],
-    /// Share of the contact stiffness, 0 to 1: fades out where an edge's or face's nearest point runs into
-    /// a corner, which is a proximity of its own, so that the force has no jump.
+    /// Share of the contact stiffness, 0 to 1: how much nearer the point is than the nearest one on the ends of
+    /// its edge or the rim of its face, which are proximities of their own. So the force has no jump where the
+    /// point runs into the rim, nor where a flat edge or face makes it leap.
     pub share: f64,
     /// Distance from the middle surface to the obstacle there.
     pub distance: Distance,
@@ -45,14 +47,8 @@ impl Proximity {
     }
 }
 
-/// Fraction of an edge (or of a face's height) over which the share fades to zero.
-const FADE: f64 = 0.1;
-/// Bisections across a face: 1e-9 of its width.
-const BISECTIONS: usize = 30;
-/// Most steps of a line minimisation.
-const ITERATIONS: usize = 60;
-/// Slope of the distance, or fraction of the line, at which a line minimisation stops.
-const FLAT: f64 = 1e-9;
+/// Lead over the rim at which a point within an edge or face has its full share \[m\].
+const LEAD: f64 = 2e-5;
 
 /// Precomputed incidence for [`detect`].
 #[derive(Clone, Debug)]
@@ -90,9 +86,6 @@ pub struct Nearby {
     /// Where the corners of the faces stand in `vertices`.
     face_slots: Vec<[u32; 3]>,
 }
-
-/// Distance and normal in the obstacle's frame.
-type First = (f64, Vector3<f64>);
 
 impl Nearby {
     /// Collects the features that may be closer to `body` than `reach`; distance has Lipschitz constant 1.
@@ -201,7 +194,7 @@ pub fn detect(
         .collect();
     let edges = nearby.edges.iter().zip(&nearby.edge_slots).zip(&minima);
     for ((&e, slots), minimum) in edges {
-        let Some((t, _)) = minimum.filter(|(_, first)| first.0 < reach) else {
+        let Some((t, first)) = minimum.filter(|(_, first)| first.0 < reach) else {
             continue;
         };
         let ends = slots.map(|i| local[i as usize]);
@@ -212,7 +205,14 @@ pub fn detect(
             weights[k] = if at_a { 1.0 - t } else { t };
         }
         let at = ends[0] + (ends[1] - ends[0]) * t;
-        add(key(1, e), face, weights, fade(t.min(1.0 - t)), &at);
+        let rim = slots.map(|i| values[i as usize].0);
+        add(
+            key(1, e),
+            face,
+            weights,
+            share(rim[0].min(rim[1]) - first.0),
+            &at,
+        );
     }
     for (&f, slots) in nearby.faces.iter().zip(&nearby.face_slots) {
         let corners = slots.map(|i| local[i as usize]);
@@ -221,131 +221,17 @@ pub fn detect(
             let e = mesh.face_edges[f as usize][k];
             let (t, first) = minima[nearby.edges.binary_search(&e).ok()?]?;
             let forward = mesh.edges[e as usize][0] == mesh.faces[f as usize][(k + 1) % 3];
-            Some((if forward { t } else { 1.0 - t }, first.1))
+            Some((if forward { t } else { 1.0 - t }, first))
         };
-        if let Some(weights) = within_face(&body.shape, &corners, values, rim, reach) {
-            let nearest_side = weights.iter().fold(1.0, |m: f64, &w| m.min(w));
+        if let Some((weights, lead)) = within_face(&body.shape, &corners, values, rim, reach) {
             let at = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
-            add(key(2, f), f, weights, fade(nearest_side), &at);
+            add(key(2, f), f, weights, share(lead), &at);
         }
     }
 }
 
-fn fade(fraction: f64) -> f64 {
-    let s = (fraction / FADE).min(1.0);
+/// Share of a point that lies nearer than the rim by `lead` \[m\].
+fn share(lead: f64) -> f64 {
+    let s = (lead / LEAD).clamp(0.0, 1.0);
     s * s * (3.0 - 2.0 * s)
-}
-
-/// Minimum of the distance strictly inside an edge, at a fraction of the way; `None` also where it is surely out
-/// of reach.
-fn within_edge(
-    shape: &Shape,
-    ends: [Vector3<f64>; 2],
-    values: [&First; 2],
-    reach: f64,
-) -> Option<(f64, First)> {
-    // A convex function lies above its tangents.
-    let bound = |k: usize| values[k].0 + (values[k].1.dot(&(ends[1 - k] - ends[k]))).min(0.0);
-    if bound(0) > reach || bound(1) > reach {
-        return None;
-    }
-    minimum_on_line(shape, ends, values)
-}
-
-/// Minimum of the distance strictly between two points, at a fraction of the way: Newton kept inside a bracket.
-fn minimum_on_line(
-    shape: &Shape,
-    ends: [Vector3<f64>; 2],
-    values: [&First; 2],
-) -> Option<(f64, First)> {
-    let along = ends[1] - ends[0];
-    let slopes = values.map(|first| first.1.dot(&along));
-    if slopes[0] >= 0.0 || slopes[1] <= 0.0 {
-        return None;
-    }
-    let (mut low, mut high) = (0.0, 1.0);
-    let mut t = slopes[0] / (slopes[0] - slopes[1]);
-    let mut distance = shape.distance(&(ends[0] + along * t));
-    for _ in 0..ITERATIONS {
-        let slope = distance.normal.dot(&along);
-        if slope < 0.0 {
-            low = t
-        } else {
-            high = t
-        }
-        if slope.abs() <= FLAT * along.norm() || high - low <= FLAT {
-            break;
-        }
-        let newton = t - slope / along.dot(&(distance.curvature * along));
-        let inside = newton > low && newton < high;
-        t = if inside { newton } else { 0.5 * (low + high) };
-        distance = shape.distance(&(ends[0] + along * t));
-    }
-    Some((t, (distance.value, distance.normal)))
-}
-
-/// Minimum of the distance strictly inside a face, as barycentric weights, if it is below `reach`.
-///
-/// On a convex function a point of the rim from which no way into the face leads down is the minimum of the face,
-/// so only faces whose rim has no such point are searched.
-///
-/// `rim` gives the minimum of the side opposite to a corner, where known: the fraction of the way from the next
-/// corner, and the normal there.
-fn within_face(
-    shape: &Shape,
-    corners: &[Vector3<f64>; 3],
-    values: [&First; 3],
-    rim: impl Fn(usize) -> Option<(f64, Vector3<f64>)>,
-    reach: f64,
-) -> Option<[f64; 3]> {
-    for k in 0..3 {
-        let (value, normal) = values[k];
-        let rise = |other: usize| normal.dot(&(corners[other] - corners[k]));
-        let least = rise((k + 1) % 3).min(rise((k + 2) % 3));
-        // Lowest of all at this corner, or, as a convex function lies above its tangents, out of reach.
-        if least >= 0.0 || value + least > reach {
-            return None;
-        }
-    }
-    for k in 0..3 {
-        let [a, b] = [corners[(k + 1) % 3], corners[(k + 2) % 3]];
-        if let Some((t, normal)) = rim(k)
-            && normal.dot(&(corners[k] - a - (b - a) * t)) >= 0.0
-        {
-            return None;
-        }
-    }
-    let (weights, value) = minimum_inside(shape, corners);
-    let inside = weights.iter().all(|&w| w > 1e-6);
-    (inside && value < reach).then_some(weights)
-}
-
-/// Minimum over a face as the minimum over s of the minima on the lines from a + s (b - a) to c: the envelope of a
-/// convex function is convex.
-fn minimum_inside(shape: &Shape, corners: &[Vector3<f64>; 3]) -> ([f64; 3], f64) {
-    let [a, b, c] = *corners;
-    let at_c = shape.first_order(&c);
-    let on_line = |s: f64| {
-        let foot = a + (b - a) * s;
-        let at_foot = shape.first_order(&foot);
-        minimum_on_line(shape, [foot, c], [&at_foot, &at_c]).unwrap_or(if at_foot.0 < at_c.0 {
-            (0.0, at_foot)
-        } else {
-            (1.0, at_c)
-        })
-    };
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..BISECTIONS {
-        let middle = 0.5 * (low + high);
-        let (t, (_, normal)) = on_line(middle);
-        let slope = normal.dot(&(b - a)) * (1.0 - t);
-        if slope < 0.0 {
-            low = middle
-        } else {
-            high = middle
-        }
-    }
-    let s = 0.5 * (low + high);
-    let (t, (value, _)) = on_line(s);
-    ([(1.0 - s) * (1.0 - t), s * (1.0 - t), t], value)
 }

@@ -2,6 +2,7 @@
 
 mod detect;
 mod distance;
+mod minimum;
 mod obstacle;
 #[cfg(test)]
 mod test;

@@ -71,7 +71,7 @@ impl Default for MethodSpec {
         Self {
             scheme: Scheme::Bdf2,
             dt: 5e-3,
-            tolerance: 1e-4,
+            tolerance: 1e-3,
             max_iterations: 40,
             substep: None,
             rho_infinity: 0.3,

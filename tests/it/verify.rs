@@ -140,6 +140,7 @@ fn verify_free_fall() {
                     &format!("method.dt={dt}"),
                     "sheet.triangles=120",
                     "method.tolerance=1e-10",
+                    "method.rho_infinity=0.8",
                 ],
             );
             let simulation = run(&scene);

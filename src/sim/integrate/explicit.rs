@@ -6,7 +6,7 @@
 //!
 //! in its half-step velocity form, which gives the same positions. The limit is 2/omega_max (Courant, Friedrichs,
 //! Lewy) by power iteration on the actual mesh. Slopes get a rotary inertia J just large enough that they do not
-//! lower that limit: about a thousandth of a vertex's m h², so they follow the positions.
+//! lower that limit, and never above a thousandth of m h², so they follow the positions.
 
 use nalgebra::Vector3;
 
@@ -25,6 +25,8 @@ pub const SAFETY: f64 = 0.9;
 const POWER_ITERATIONS: usize = 200;
 /// Slope inertia over the least that keeps the slopes' own frequency at that of the membrane.
 const INERTIA_MARGIN: f64 = 4.0;
+/// Largest slope inertia, over m h²: what it adds to a wave of length w is of relative size (h/w)² of this.
+const MOST_INERTIA: f64 = 1e-3;
 /// How far the sheet may move against an obstacle before the features near it are collected anew \[m\].
 const MARGIN: f64 = 1e-3;
 
@@ -63,11 +65,10 @@ impl Explicit {
         let vertices = model.masses.len();
         let mut inertia = model.masses.clone();
         let stiffest = largest_frequency(model, nodes, &inertia);
-        inertia.extend(
-            slope_stiffness(model)
-                .iter()
-                .map(|k| INERTIA_MARGIN * k / stiffest.powi(2)),
-        );
+        inertia.extend(slope_stiffness(model).iter().enumerate().map(|(e, k)| {
+            let enough = INERTIA_MARGIN * k / stiffest.powi(2);
+            enough.min(MOST_INERTIA * rotary_inertia(model, e))
+        }));
         let limit = 2.0 / largest_frequency(model, nodes, &inertia);
         let inverse = |(node, inertia): (usize, &f64)| {
             let index = model.dofs.index[node];
@@ -268,6 +269,15 @@ fn drift(nodes: &mut [Lanes], rates: &[Lanes], dt: f64, vertices: usize) -> f64 
 fn quickest(obstacles: &[crate::contact::Obstacle]) -> f64 {
     let speed = |o: &crate::contact::Obstacle| o.velocity.linear.norm() + o.velocity.angular.norm();
     obstacles.iter().map(speed).fold(0.0, f64::max)
+}
+
+/// What a slope's inertia is measured by: the mass around an edge times the square of its length \[kg·m²\].
+fn rotary_inertia(model: &Model, edge: usize) -> f64 {
+    let mass: f64 = model.mesh.edges[edge]
+        .iter()
+        .map(|&v| model.masses[v as usize])
+        .sum();
+    0.5 * mass * model.mesh.edge_length(edge).powi(2)
 }
 
 /// Bound on the stiffness of each slope in the bending matrix \[N·m\]: the absolute row sum.

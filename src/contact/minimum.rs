@@ -1,0 +1,178 @@
+//! Minima of the distance to a convex shape over edges and faces of the sheet, in the shape's frame.
+
+use nalgebra::{Matrix2, Vector2, Vector3};
+
+use super::distance::Distance;
+use super::obstacle::Shape;
+
+/// Distance and normal.
+pub(super) type First = (f64, Vector3<f64>);
+
+/// Golden sections across a face: 1e-5 of its width.
+const SECTIONS: usize = 24;
+/// Newton steps after the sections.
+const POLISHES: usize = 4;
+/// The golden ratio's inverse.
+const GOLDEN: f64 = 0.618_033_988_749_895;
+/// Most steps of a line minimisation.
+const ITERATIONS: usize = 60;
+/// Slope of the distance, or fraction of the line, at which a line minimisation stops.
+const FLAT: f64 = 1e-9;
+
+/// Minimum of the distance strictly inside an edge, at a fraction of the way; `None` also where it is surely out
+/// of reach.
+pub(super) fn within_edge(
+    shape: &Shape,
+    ends: [Vector3<f64>; 2],
+    values: [&First; 2],
+    reach: f64,
+) -> Option<(f64, First)> {
+    // A convex function lies above its tangents.
+    let bound = |k: usize| values[k].0 + (values[k].1.dot(&(ends[1 - k] - ends[k]))).min(0.0);
+    if bound(0) > reach || bound(1) > reach {
+        return None;
+    }
+    minimum_on_line(shape, ends, values)
+}
+
+/// Minimum of the distance strictly between two points, at a fraction of the way: Newton kept inside a bracket.
+fn minimum_on_line(
+    shape: &Shape,
+    ends: [Vector3<f64>; 2],
+    values: [&First; 2],
+) -> Option<(f64, First)> {
+    let along = ends[1] - ends[0];
+    let slopes = values.map(|first| first.1.dot(&along));
+    if slopes[0] >= 0.0 || slopes[1] <= 0.0 {
+        return None;
+    }
+    let (mut low, mut high) = (0.0, 1.0);
+    let mut t = slopes[0] / (slopes[0] - slopes[1]);
+    let mut distance = shape.distance(&(ends[0] + along * t));
+    for _ in 0..ITERATIONS {
+        let slope = distance.normal.dot(&along);
+        if slope < 0.0 {
+            low = t
+        } else {
+            high = t
+        }
+        if slope.abs() <= FLAT * along.norm() || high - low <= FLAT {
+            break;
+        }
+        let newton = t - slope / along.dot(&(distance.curvature * along));
+        let inside = newton > low && newton < high;
+        t = if inside { newton } else { 0.5 * (low + high) };
+        distance = shape.distance(&(ends[0] + along * t));
+    }
+    Some((t, (distance.value, distance.normal)))
+}
+
+/// Minimum of the distance strictly inside a face, as barycentric weights and its lead over the rim, if it is
+/// below `reach`.
+///
+/// On a convex function a point of the rim from which no way into the face leads down is the minimum of the face,
+/// so only faces whose rim has no such point are searched.
+///
+/// `rim` gives the minimum of the side opposite to a corner, where known: the fraction of the way from the next
+/// corner, distance and normal there.
+pub(super) fn within_face(
+    shape: &Shape,
+    corners: &[Vector3<f64>; 3],
+    values: [&First; 3],
+    rim: impl Fn(usize) -> Option<(f64, First)>,
+    reach: f64,
+) -> Option<([f64; 3], f64)> {
+    for k in 0..3 {
+        let (value, normal) = values[k];
+        let rise = |other: usize| normal.dot(&(corners[other] - corners[k]));
+        let least = rise((k + 1) % 3).min(rise((k + 2) % 3));
+        // Lowest of all at this corner, or, as a convex function lies above its tangents, out of reach.
+        if least >= 0.0 || value + least > reach {
+            return None;
+        }
+    }
+    for k in 0..3 {
+        let [a, b] = [corners[(k + 1) % 3], corners[(k + 2) % 3]];
+        if let Some((t, (_, normal))) = rim(k)
+            && normal.dot(&(corners[k] - a - (b - a) * t)) >= 0.0
+        {
+            return None;
+        }
+    }
+    let (weights, value) = minimum_inside(shape, corners);
+    let inside = weights.iter().all(|&w| w > 1e-6);
+    let sides = (0..3).filter_map(|k| rim(k).map(|(_, first)| first.0));
+    let lowest = values
+        .iter()
+        .map(|first| first.0)
+        .chain(sides)
+        .fold(f64::INFINITY, f64::min);
+    (inside && value < reach).then_some((weights, lowest - value))
+}
+
+/// Minimum over a face as the minimum over s of the minima on the lines from a + s (b - a) to c: the envelope of a
+/// convex function is convex.
+fn minimum_inside(shape: &Shape, corners: &[Vector3<f64>; 3]) -> ([f64; 3], f64) {
+    let [a, b, c] = *corners;
+    let at_c = shape.first_order(&c);
+    let on_line = |s: f64| {
+        let foot = a + (b - a) * s;
+        let at_foot = shape.first_order(&foot);
+        minimum_on_line(shape, [foot, c], [&at_foot, &at_c]).unwrap_or(if at_foot.0 < at_c.0 {
+            (0.0, at_foot)
+        } else {
+            (1.0, at_c)
+        })
+    };
+    // Golden section on the values: the derivative says nothing where a line has its minimum at c.
+    let (mut low, mut high) = (0.0, 1.0);
+    let cut = |low: f64, high: f64| high - GOLDEN * (high - low);
+    let (mut left, mut right) = (cut(low, high), cut(high, low));
+    let (mut at_left, mut at_right) = (on_line(left), on_line(right));
+    for _ in 0..SECTIONS {
+        if at_left.1.0 <= at_right.1.0 {
+            (high, right, at_right) = (right, left, at_left);
+            left = cut(low, high);
+            at_left = on_line(left);
+        } else {
+            (low, left, at_left) = (left, right, at_right);
+            right = cut(high, low);
+            at_right = on_line(right);
+        }
+    }
+    let best = if at_left.1.0 <= at_right.1.0 {
+        (left, at_left)
+    } else {
+        (right, at_right)
+    };
+    let (s, (t, _)) = best;
+    polish(shape, corners, [(1.0 - s) * (1.0 - t), s * (1.0 - t), t])
+}
+
+/// Newton from a point near the minimum over a face, where the distance is smooth there.
+fn polish(shape: &Shape, corners: &[Vector3<f64>; 3], mut weights: [f64; 3]) -> ([f64; 3], f64) {
+    let point = |w: &[f64; 3]| corners[0] * w[0] + corners[1] * w[1] + corners[2] * w[2];
+    let along = [corners[1] - corners[0], corners[2] - corners[0]];
+    let slope = |d: &Distance| Vector2::from_fn(|a, _| d.normal.dot(&along[a]));
+    let mut best = shape.distance(&point(&weights));
+    for _ in 0..POLISHES {
+        let second = Matrix2::from_fn(|a, b| along[a].dot(&(best.curvature * along[b])));
+        let Some(inverse) = second.try_inverse() else {
+            break;
+        };
+        let step = inverse * slope(&best);
+        let trial = [
+            weights[0] + step.x + step.y,
+            weights[1] - step.x,
+            weights[2] - step.y,
+        ];
+        let distance = shape.distance(&point(&trial));
+        let inside = trial.iter().all(|w| (0.0..=1.0).contains(w));
+        // Near the minimum the slope still tells better from worse when the values no longer do.
+        if !inside || slope(&distance).norm() >= slope(&best).norm() {
+            break;
+        }
+        (weights, best) = (trial, distance);
+    }
+    (weights, best.value)
+}
