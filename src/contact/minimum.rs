@@ -8,10 +8,10 @@ use super::obstacle::Shape;
 /// Distance and normal.
 pub(super) type First = (f64, Vector3<f64>);
 
-/// Golden sections across a face: 1e-5 of its width.
-const SECTIONS: usize = 24;
+/// Golden sections across a face: 1e-3 of its width.
+const SECTIONS: usize = 14;
 /// Newton steps after the sections.
-const POLISHES: usize = 4;
+const POLISHES: usize = 6;
 /// The golden ratio's inverse.
 const GOLDEN: f64 = 0.618_033_988_749_895;
 /// Most steps of a line minimisation.

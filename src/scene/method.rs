@@ -60,7 +60,7 @@ pub struct MethodSpec {
     pub tolerance: f64,
     /// Newton iterations before a step is retried smaller \[-\].
     pub max_iterations: usize,
-    /// Substep of `central-difference` \[s\], at most `dt`; left out, it is 0.9 of the stable limit.
+    /// Substep of `central-difference` \[s\], at most `dt`; left out, it is 0.95 of the stable limit.
     pub substep: Option<f64>,
     /// Spectral radius of `generalised-alpha` at infinite frequency, 0 to 1 \[-\].
     pub rho_infinity: f64,

@@ -20,7 +20,7 @@ use crate::sim::state::State;
 use crate::sim::touch::{Before, Touch};
 
 /// Substep over the stable limit when the user leaves it open.
-pub const SAFETY: f64 = 0.9;
+pub const SAFETY: f64 = 0.95;
 /// Power iterations; the limit is then good to about 1 %.
 const POWER_ITERATIONS: usize = 200;
 /// Slope inertia over the least that keeps the slopes' own frequency at that of the membrane.
@@ -243,7 +243,9 @@ impl Explicit {
         for (v, push) in self.touch.pushes(model, law, &positions) {
             forces[v as usize] = add(forces[v as usize], lanes(&push));
         }
-        flow.obstacles += self.touch.work_of_obstacles(model, &start, &positions);
+        if quickest(&start) > 0.0 {
+            flow.obstacles += self.touch.work_of_obstacles(model, &start, &positions);
+        }
         let (bonds, slipped) = self.touch.settle(&positions);
         flow.friction += slipped;
         state.bonds = bonds;
