@@ -1,10 +1,10 @@
 //! All that stays constant in a run.
 
-use nalgebra::{Rotation3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{Rotation3, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use crate::contact::{Features, Obstacle, Pose, Velocity};
+use crate::contact::{Features, Obstacle, Velocity};
 use crate::fabric::Fabric;
 use crate::physics::Potential;
 use crate::physics::bend::Bend;
@@ -154,10 +154,7 @@ impl Model {
             .map(|(name, spec)| Obstacle {
                 name: name.clone(),
                 shape: spec.shape.clone(),
-                pose: Pose::from_parts(
-                    Vector3::from(spec.position).into(),
-                    UnitQuaternion::from_rotation_matrix(&rotation(&spec.rotation)),
-                ),
+                pose: spec.pose(),
                 velocity: Velocity {
                     linear: spec.linear_velocity.into(),
                     angular: spec.angular_velocity.into(),
