@@ -1,6 +1,7 @@
 //! The simulation: a constant model, a state, and the only two ways to change it.
 
 mod assembly;
+mod command;
 mod dofs;
 mod implicit;
 mod integrate;
@@ -13,6 +14,7 @@ mod slopes;
 mod state;
 mod touch;
 
+pub use command::{AirRegion, Airflow, Command, Rejected};
 pub use dofs::Dofs;
 pub use model::{Model, Reading};
 pub use report::{Energies, StepReport, Work};
