@@ -13,7 +13,7 @@ const OFF_UNIT: f64 = 1e-3;
 pub fn admit(command: &Command) -> Result<Command, Rejected> {
     let mut command = command.clone();
     match &mut command {
-        Command::AddObstacle(obstacle) => new(obstacle)?,
+        Command::AddObstacle(obstacle) => self::obstacle(obstacle)?,
         Command::MoveObstacle {
             name,
             pose: place,
@@ -29,7 +29,8 @@ pub fn admit(command: &Command) -> Result<Command, Rejected> {
     Ok(command)
 }
 
-fn new(obstacle: &mut Obstacle) -> Result<(), Rejected> {
+/// Checks an obstacle as a whole.
+pub fn obstacle(obstacle: &mut Obstacle) -> Result<(), Rejected> {
     named(&obstacle.name)?;
     shape(&obstacle.shape)?;
     pose(&mut obstacle.pose)?;
