@@ -8,6 +8,7 @@ mod consistency;
 mod damage;
 mod encoding;
 mod energy;
+mod friction;
 mod lab;
 mod messages;
 mod needs;
