@@ -1,5 +1,6 @@
 //! The integration tests: one binary, a module per subject.
 
+mod air;
 mod architecture;
 mod charts;
 mod cli;
