@@ -11,6 +11,7 @@ pub mod explicit;
 mod generalised_alpha;
 mod gradient_flow;
 mod impulse;
+mod stable;
 #[cfg(test)]
 mod test;
 
