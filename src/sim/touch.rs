@@ -6,7 +6,7 @@ use super::assembly::{Assembly, pick};
 use super::measure::total;
 use super::model::Model;
 use super::state::{Memory, State};
-use crate::contact::{Nearby, Obstacle, Pose, Proximity, detect, obstacle_of};
+use crate::contact::{Nearby, Obstacle, Proximity, detect};
 use crate::physics::Potential;
 use crate::physics::contact::{Contact, ContactLaw, weighted};
 use crate::physics::friction::{Bond, Friction};
@@ -108,17 +108,6 @@ impl Touch {
         touch.find(model, law, &state.positions, nearby.as_deref());
         touch.bind(model, law, &before);
         touch
-    }
-
-    /// Lets the anchors of these bonds ride along as their one obstacle goes to `pose`.
-    pub fn ride(&self, pose: &Pose, state: &mut State) {
-        for (bond, key) in self.bonds.iter().zip(&self.keys) {
-            if let Ok(i) = state.bonds.binary_search_by_key(key, |m| m.key) {
-                let from = &self.obstacles[obstacle_of(*key) as usize].pose;
-                let local = from.inverse_transform_point(&bond.anchor.into());
-                state.bonds[i].offset += bond.anchor - pose.transform_point(&local).coords;
-            }
-        }
     }
 
     /// Energy of contact and of friction, what slip would take included \[J\].
