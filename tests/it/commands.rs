@@ -206,6 +206,11 @@ fn a_reset_run_is_the_same_again() {
     }
 }
 
+/// Whether friction has a memory: the explicit scheme brakes by impulses.
+fn remembers(scheme: Scheme) -> bool {
+    scheme != Scheme::CentralDifference
+}
+
 /// Bonds belong to obstacles, not to their places in the list: one added before and taken away again changes
 /// nothing, however the sheet sticks to the other.
 #[test]
@@ -217,7 +222,7 @@ fn bonds_keep_their_obstacle_when_others_come_and_go() {
             slide(&mut simulation, "m", Vector3::new(0.05, 0.0, 0.0));
             run(&mut simulation, 0.02);
             assert!(
-                !simulation.state().bonds.is_empty(),
+                remembers(scheme) != simulation.state().bonds.is_empty(),
                 "{scheme:?}: nothing sticks"
             );
             if others {
@@ -389,7 +394,10 @@ fn a_resumed_run_has_the_same_bits() {
         let mut whole = on_a_sliding_plate(scheme);
         let scene = whole.model().scene.clone();
         let kept = whole.state().clone();
-        assert!(!kept.bonds.is_empty(), "{scheme:?}: nothing sticks");
+        assert!(
+            remembers(scheme) != kept.bonds.is_empty(),
+            "{scheme:?}: nothing sticks"
+        );
         let mut resumed = simulation(&scene);
         resumed.resume(kept).unwrap();
         for _ in 0..10 {
