@@ -12,6 +12,7 @@ mod messages;
 mod needs;
 mod order;
 mod pictures;
+mod python;
 mod recording;
 mod refusal;
 mod scene;
