@@ -7,6 +7,8 @@ mod consistency;
 mod damage;
 mod encoding;
 mod energy;
+mod inbound;
+mod inbound_objects;
 mod lab;
 mod messages;
 mod needs;

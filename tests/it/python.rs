@@ -66,8 +66,8 @@ fn finish(command: &mut Command, advice: &str) -> Result<(), String> {
         Ok(output) => {
             let text = [output.stdout.as_slice(), &output.stderr].concat();
             let text = String::from_utf8_lossy(&text).into_owned();
-            let lines = text.lines().map(str::trim).filter(|l| !l.is_empty());
-            lines.last().unwrap_or_default().to_string()
+            let mut lines = text.lines().map(str::trim).filter(|l| !l.is_empty());
+            lines.next_back().unwrap_or_default().to_string()
         }
         Err(error) => error.to_string(),
     };
