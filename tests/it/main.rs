@@ -9,6 +9,7 @@ mod encoding;
 mod energy;
 mod inbound;
 mod inbound_objects;
+mod inbound_services;
 mod lab;
 mod messages;
 mod needs;
