@@ -1,6 +1,7 @@
 //! The integration tests: one binary, a module per subject.
 
 mod architecture;
+mod byte_identity;
 mod charts;
 mod cli;
 mod consistency;
@@ -18,8 +19,10 @@ mod pictures;
 mod python;
 mod recording;
 mod refusal;
+mod samples;
 mod scene;
 mod schema_reader;
 mod tidy;
+mod type_hashes;
 mod verify;
 mod views;
