@@ -225,7 +225,8 @@ fn start(model: &Model) -> (State, Touch) {
             obstacles: &state.obstacles,
             bonds: &[],
         };
-        touch.find(model, law, &state.positions, &before, None);
+        touch.find(model, law, &state.positions, None);
+        touch.bind(model, law, &before);
         for (v, push) in touch.pushes(model, law, &state.positions) {
             forces[v as usize] = add(forces[v as usize], lanes(&push));
         }

@@ -34,17 +34,18 @@ pub struct Touch {
 }
 
 impl Touch {
-    /// Finds the contacts of a configuration and ties their bonds to the start of the step. `nearby` lists, for
-    /// each obstacle, what may touch it; `None` looks at the whole sheet.
+    /// Finds the contacts of a configuration, without bonds. `nearby` lists, for each obstacle, what may touch it;
+    /// `None` looks at the whole sheet.
     pub fn find(
         &mut self,
         model: &Model,
         law: &ContactLaw,
         positions: &[Vector3<f64>],
-        before: &Before,
         nearby: Option<&[Nearby]>,
     ) {
         self.proximities.clear();
+        self.bonds.clear();
+        self.keys.clear();
         for (i, body) in self.obstacles.iter().enumerate() {
             let whole;
             let near = match nearby {
@@ -66,6 +67,10 @@ impl Touch {
                 found,
             );
         }
+    }
+
+    /// Ties the contacts that have friction to the start of the step.
+    pub fn bind(&mut self, model: &Model, law: &ContactLaw, before: &Before) {
         self.bonds.clear();
         self.keys.clear();
         for near in &self.proximities {

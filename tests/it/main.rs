@@ -8,6 +8,7 @@ mod consistency;
 mod damage;
 mod encoding;
 mod energy;
+mod friction;
 mod inbound;
 mod inbound_objects;
 mod inbound_services;

@@ -10,6 +10,7 @@ mod bdf2;
 pub mod explicit;
 mod generalised_alpha;
 mod gradient_flow;
+mod impulse;
 #[cfg(test)]
 mod test;
 
