@@ -1,6 +1,7 @@
 //! The integration tests: one binary, a module per subject.
 
 mod architecture;
+mod byte_identity;
 mod charts;
 mod cli;
 mod commands;
@@ -9,15 +10,21 @@ mod damage;
 mod encoding;
 mod energy;
 mod friction;
+mod inbound;
+mod inbound_objects;
+mod inbound_services;
 mod lab;
 mod messages;
 mod needs;
 mod order;
 mod pictures;
+mod python;
 mod recording;
 mod refusal;
+mod samples;
 mod scene;
 mod schema_reader;
 mod tidy;
+mod type_hashes;
 mod verify;
 mod views;
