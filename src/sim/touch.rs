@@ -3,8 +3,9 @@
 use nalgebra::Vector3;
 
 use super::assembly::{Assembly, pick};
+use super::measure::total;
 use super::model::Model;
-use super::state::Memory;
+use super::state::{Memory, State};
 use crate::contact::{Nearby, Obstacle, Proximity, detect};
 use crate::physics::Potential;
 use crate::physics::contact::{Contact, ContactLaw, weighted};
@@ -84,6 +85,37 @@ impl Touch {
         }
     }
 
+    /// Contacts of the state as it stands; with `only`, those with one obstacle.
+    pub fn of(model: &Model, state: &State, only: Option<usize>) -> Self {
+        let mut touch = Self {
+            obstacles: state.obstacles.clone(),
+            ..Self::default()
+        };
+        let Some(law) = &model.contact else {
+            return touch;
+        };
+        let before = Before {
+            positions: &state.positions,
+            obstacles: &state.obstacles,
+            bonds: &state.bonds,
+        };
+        let nearby = only.map(|at| {
+            let mut nearby = vec![Nearby::default(); state.obstacles.len()];
+            let body = &state.obstacles[at];
+            nearby[at] = Nearby::find(&model.mesh, &state.positions, body, law.offset);
+            nearby
+        });
+        touch.find(model, law, &state.positions, nearby.as_deref());
+        touch.bind(model, law, &before);
+        touch
+    }
+
+    /// Energy of contact and of friction, what slip would take included \[J\].
+    pub fn potential(&self, model: &Model, law: &ContactLaw, nodes: &[Vector3<f64>]) -> f64 {
+        let (contact, friction) = (self.contact(model, law), Friction { bonds: &self.bonds });
+        total(&contact, nodes) + total(&friction, nodes)
+    }
+
     /// Contact and friction forces on vertices \[N\], in the order of the proximities, then of the bonds.
     pub fn pushes(
         &self,
@@ -141,10 +173,7 @@ impl Touch {
 
     /// Energy stored in contact and in elastic bonds \[J\].
     pub fn energy(&self, model: &Model, law: &ContactLaw, nodes: &[Vector3<f64>]) -> f64 {
-        let contact = self.contact(model, law);
-        let normal: f64 = (0..contact.count())
-            .map(|s| contact.value(s, &pick(nodes, &contact.nodes(s))))
-            .sum();
+        let normal = total(&self.contact(model, law), nodes);
         let elastic = |bond: &Bond| {
             let (offset, _) = bond.settle(&weighted(&bond.weights, &pick(nodes, &bond.vertices)));
             0.5 * bond.stiffness * offset.norm_squared()
@@ -200,12 +229,12 @@ impl Touch {
             })
             .sum();
         let friction = Friction { bonds: &self.bonds };
-        let with_friction = self
+        let rough = self
             .proximities
             .iter()
             .filter(|near| self.has_friction(near));
-        let tangential: f64 = with_friction
-            .enumerate()
+        let tangential: f64 = (0..friction.count())
+            .zip(rough)
             .map(|(s, near)| {
                 let pull: Vector3<f64> = friction
                     .gradient(s, &pick(nodes, &friction.nodes(s)))

@@ -18,13 +18,15 @@ use crate::sim::touch::Touch;
 /// Sweeps of friction over all contacts; one settles contacts that share no vertex.
 const SWEEPS: usize = 3;
 
-/// Energy taken out \[J\].
+/// Energy that goes \[J\].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Taken {
-    /// By contact that does not bounce.
+    /// Taken out by contact that does not bounce.
     pub contact: f64,
-    /// By friction.
+    /// Taken out by friction.
     pub friction: f64,
+    /// Put in by obstacles that move.
+    pub obstacles: f64,
 }
 
 /// A contact as the sweep needs it.
@@ -42,7 +44,9 @@ struct Grip {
     load: f64,
     /// Critical damping times dt \[kg\].
     damping: f64,
-    /// Of friction \[N·s\].
+    /// Normal impulse of the damping \[N·s\].
+    softening: f64,
+    /// Impulse of friction \[N·s\].
     impulse: Vector3<f64>,
 }
 
@@ -66,6 +70,7 @@ pub fn brake(
             taken.friction += grip.tighten(inverse_mass, rates);
         }
     }
+    taken.obstacles = grips.iter().map(Grip::drive).sum();
     taken
 }
 
@@ -102,6 +107,7 @@ fn grips(
             friction: obstacle.friction,
             load: law.normal_force(near) * dt,
             damping: 2.0 * (stiffness / lightness).sqrt() * dt,
+            softening: 0.0,
             impulse: Vector3::zeros(),
         });
     }
@@ -119,6 +125,12 @@ impl Grip {
             .map(|k| vector(&rates[self.vertices[k] as usize]) * self.weights[k])
             .sum();
         moving - self.ground
+    }
+
+    /// Work of the obstacle's motion on the sheet \[J\].
+    fn drive(&self) -> f64 {
+        self.ground
+            .dot(&(self.impulse + self.normal * self.softening))
     }
 
     /// Its tangential part \[m/s\].
@@ -143,6 +155,7 @@ impl Grip {
         let wanted = -self.damping * speed / (1.0 + self.damping * self.lightness);
         let impulse = wanted.max(-self.load);
         self.load += impulse;
+        self.softening = impulse;
         self.push(&(self.normal * impulse), inverse_mass, rates);
         -impulse * (speed + 0.5 * impulse * self.lightness)
     }

@@ -1,0 +1,183 @@
+//! Stage 1: a command changes the state between two steps, whole or not at all.
+
+use super::admit::{admit, refusal};
+use super::command::{Command, Rejected};
+use super::measure;
+use super::report::StepReport;
+use super::simulation::{Engine, Simulation};
+use super::state::State;
+use super::touch::Touch;
+use crate::contact::{Obstacle, Pose, Velocity};
+use crate::scene::Accept;
+
+/// Most obstacles at a time: each costs a look at the sheet in every step.
+const MOST_OBSTACLES: usize = 256;
+
+impl Simulation {
+    /// Takes a command; it holds from the next step on.
+    ///
+    /// # Errors
+    /// The scene does not accept the kind of command, a value is not finite or out of its range, the obstacle is
+    /// not there, its name is taken, or it would stand in the sheet. The state is then untouched.
+    pub fn apply(&mut self, command: &Command) -> Result<(), Rejected> {
+        self.accept(command)?;
+        match admit(command)? {
+            Command::AddObstacle(obstacle) => self.add(obstacle),
+            Command::MoveObstacle {
+                name,
+                pose,
+                velocity,
+            } => self.put(&name, pose, velocity),
+            Command::RemoveObstacle { name } => self.remove(&name),
+            Command::Blow(_) => Err(not_accepted(Accept::Air)),
+            Command::Reset => {
+                self.reset();
+                Ok(())
+            }
+        }
+    }
+
+    fn accept(&self, command: &Command) -> Result<(), Rejected> {
+        let kind = match command {
+            Command::AddObstacle(_)
+            | Command::MoveObstacle { .. }
+            | Command::RemoveObstacle { .. } => Accept::Obstacles,
+            Command::Blow(_) => Accept::Air,
+            Command::Reset => return Ok(()),
+        };
+        match self.model.scene.accepts(kind) {
+            true => Ok(()),
+            false => Err(not_accepted(kind)),
+        }
+    }
+
+    fn add(&mut self, obstacle: Obstacle) -> Result<(), Rejected> {
+        if self.state.find_obstacle(&obstacle.name).is_some() {
+            let name = obstacle.name;
+            return Err(Rejected::NameTaken { name });
+        }
+        let count = self.state.obstacles.len();
+        if count == MOST_OBSTACLES {
+            let range = format!("at most {MOST_OBSTACLES} at a time");
+            return Err(refusal("number of obstacles", count + 1, range));
+        }
+        self.change(None, |state| Some(state.add_obstacle(obstacle)))
+    }
+
+    fn remove(&mut self, name: &str) -> Result<(), Rejected> {
+        let at = self.known(name)?;
+        self.change(Some(at), |state| {
+            state.remove_obstacle(at);
+            None
+        })
+    }
+
+    fn put(
+        &mut self,
+        name: &str,
+        pose: Option<Pose>,
+        velocity: Option<Velocity>,
+    ) -> Result<(), Rejected> {
+        let at = self.known(name)?;
+        if let Some(pose) = pose {
+            self.change(Some(at), |state| {
+                state.obstacles[at].pose = pose;
+                Some(at)
+            })?;
+        }
+        if let Some(velocity) = velocity {
+            self.state.obstacles[at].velocity = velocity;
+        }
+        Ok(())
+    }
+
+    /// Changes one obstacle: the one at `at` before, the one that `change` names after.
+    /// Work and the jump of the force go into ledger and scheme history.
+    fn change(
+        &mut self,
+        at: Option<usize>,
+        change: impl FnOnce(&mut State) -> Option<usize>,
+    ) -> Result<(), Rejected> {
+        let model = &self.model;
+        let contacts = |state: &State, at: Option<usize>| match at {
+            Some(at) => Touch::of(model, state, Some(at)),
+            None => Touch::default(),
+        };
+        let before = contacts(&self.state, at);
+        let mut next = self.state.clone();
+        let at = change(&mut next);
+        let after = contacts(&next, at);
+        let Some(law) = &model.contact else {
+            return Ok(());
+        };
+        if let Some(at) = at {
+            let [deep, deeper] = [&before, &after].map(|touch| touch.deepest(law));
+            clear(&next.obstacles[at].name, deep, deeper, law.offset)?;
+        }
+        for (touch, sign) in [(&before, -1.0), (&after, 1.0)] {
+            next.ledger.supports += sign * touch.potential(model, law, &next.positions);
+            if let Engine::Explicit(..) = self.engine {
+                for (v, push) in touch.pushes(model, law, &next.positions) {
+                    let jump =
+                        model.dofs.free(v as usize, push) * (sign / model.masses[v as usize]);
+                    next.history.accelerations[v as usize] += jump;
+                }
+            }
+        }
+        let made_or_lost = before.proximities.is_empty() != after.proximities.is_empty();
+        if made_or_lost && matches!(self.engine, Engine::Implicit(..)) {
+            next.history.restart();
+        }
+        self.state = next;
+        Ok(())
+    }
+
+    fn known(&self, name: &str) -> Result<usize, Rejected> {
+        let obstacles = &self.state.obstacles;
+        self.state.find_obstacle(name).ok_or_else(|| {
+            let names: Vec<_> = obstacles.iter().map(|o| o.name.as_str()).collect();
+            let known = match names.is_empty() {
+                true => "none".to_string(),
+                false => names.join(", "),
+            };
+            let name = name.to_string();
+            Rejected::UnknownObstacle { name, known }
+        })
+    }
+
+    /// The start state bit for bit, but time goes on: a recording has one time line.
+    fn reset(&mut self) {
+        let step = self.state.step;
+        self.state.clone_from(&self.start);
+        self.state.step = step;
+        self.look();
+    }
+
+    /// Makes the report describe the state as it stands, with no work done.
+    pub(super) fn look(&mut self) {
+        self.report = StepReport {
+            converged: true,
+            ..StepReport::default()
+        };
+        let touch = Touch::of(&self.model, &self.state, None);
+        measure::measure(&self.model, &self.state, &touch, &mut self.report);
+    }
+}
+
+fn not_accepted(kind: Accept) -> Rejected {
+    let commands = kind.name();
+    Rejected::NotAccepted { commands }
+}
+
+/// Refuses an obstacle that reaches deeper into the cloth than its surface can give way: contact would throw the
+/// sheet off with energy from nowhere. Where the cloth is that deep already, it may stay.
+fn clear(name: &str, deep: f64, deeper: f64, most: f64) -> Result<(), Rejected> {
+    if deeper <= most.max(deep) {
+        return Ok(());
+    }
+    Err(Rejected::Overlap {
+        name: name.to_string(),
+        depth: 1e3 * deeper,
+        most: 1e3 * most,
+    })
+}
