@@ -12,6 +12,7 @@ mod energy;
 mod friction;
 mod inbound;
 mod inbound_objects;
+mod inbound_property;
 mod inbound_services;
 mod lab;
 mod messages;
