@@ -1,6 +1,7 @@
 //! The integration tests: one binary, a module per subject.
 
 mod air;
+mod air_commands;
 mod architecture;
 mod byte_identity;
 mod charts;
@@ -23,6 +24,8 @@ mod pictures;
 mod python;
 mod recording;
 mod refusal;
+mod refusal_of_air;
+mod resume;
 mod samples;
 mod scene;
 mod schema_reader;
