@@ -7,6 +7,7 @@
 pub mod cdr;
 pub mod channels;
 pub mod cloud;
+pub mod inbound;
 mod message;
 mod obstacles;
 mod packets;

@@ -11,6 +11,7 @@ mod lab;
 mod messages;
 mod needs;
 mod order;
+mod pace;
 mod pictures;
 mod recording;
 mod refusal;
