@@ -3,6 +3,7 @@
 mod architecture;
 mod charts;
 mod cli;
+mod commands;
 mod consistency;
 mod damage;
 mod encoding;
