@@ -10,6 +10,7 @@ mod encoding;
 mod energy;
 mod inbound;
 mod inbound_objects;
+mod inbound_services;
 mod lab;
 mod messages;
 mod needs;

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use super::Malformed;
-use crate::contact::{Pose, Velocity};
+use crate::contact::{Pose, Shape, Velocity};
 use crate::wire::WORLD;
 use crate::wire::messages::geometry_msgs;
 
@@ -124,6 +124,43 @@ pub(super) fn place(field: &str, p: &geometry_msgs::Point) -> Result<Vector3<f64
 /// A velocity of obstacle or air.
 pub(super) fn speed(field: &str, v: &geometry_msgs::Vector3) -> Result<Vector3<f64>, Malformed> {
     vector(field, [v.x, v.y, v.z], &SPEED, "m/s")
+}
+
+/// A velocity from a description \[m/s\].
+pub(super) fn speeds(field: &str, v: [f64; 3]) -> Result<Vector3<f64>, Malformed> {
+    vector(field, v, &SPEED, "m/s")
+}
+
+/// An angular velocity from a description \[rad/s\].
+pub(super) fn spins(field: &str, v: [f64; 3]) -> Result<Vector3<f64>, Malformed> {
+    vector(field, v, &SPIN, "rad/s")
+}
+
+/// A pose that was computed.
+pub(super) fn placed(field: &str, pose: Pose) -> Result<Pose, Malformed> {
+    let p = pose.translation.vector;
+    vector(&format!("{field}.position"), [p.x, p.y, p.z], &PLACE, "m")?;
+    Ok(pose)
+}
+
+/// A shape that was described in words.
+pub(super) fn shape(shape: Shape) -> Result<Shape, Malformed> {
+    match shape {
+        Shape::Plane => {}
+        Shape::Box { size: edges } => {
+            for edge in edges {
+                size("entity_resource.shape.size", edge)?;
+            }
+        }
+        Shape::Sphere { radius } | Shape::Disc { radius } => {
+            size("entity_resource.shape.radius", radius)?;
+        }
+        Shape::Cylinder { radius, length } | Shape::Capsule { radius, length } => {
+            size("entity_resource.shape.radius", radius)?;
+            size("entity_resource.shape.length", length)?;
+        }
+    }
+    Ok(shape)
 }
 
 /// A twist.

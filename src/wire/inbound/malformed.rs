@@ -42,6 +42,16 @@ pub enum Malformed {
 }
 
 impl Malformed {
+    /// Whether it is a field, or one within it, that was refused.
+    pub(super) fn is_about(&self, path: &str) -> bool {
+        match self {
+            Malformed::OutOfRange { field, .. } | Malformed::Unsupported { field, .. } => field
+                .strip_prefix(path)
+                .is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '['])),
+            Malformed::Bytes(_) | Malformed::TooLong { .. } => false,
+        }
+    }
+
     /// A value out of range, quoted at most in part and on one line.
     pub(super) fn range(field: &str, value: impl std::fmt::Debug, range: &str) -> Self {
         Self::OutOfRange {

@@ -9,9 +9,10 @@ mod malformed;
 mod object;
 mod obstacle;
 mod request;
+mod services;
 mod table;
 
-pub use answer::{Outcome, answer};
+pub use answer::{Outcome, RunState, answer};
 pub use malformed::Malformed;
 pub use object::Object;
 pub use request::Request;

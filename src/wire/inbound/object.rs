@@ -172,15 +172,16 @@ fn named(object: &CollisionObject, name: &str) -> Result<Vec<(String, Pose)>, Ma
         .enumerate()
         .map(|(i, pose)| check::lenient_pose(&format!("poses[{i}]"), pose))
         .collect();
+    let placed = |name: String, pose| Ok((name, check::placed("pose", pose)?));
     match poses?[..] {
-        [] => Ok(vec![(name.to_string(), whole)]),
+        [] => Ok(vec![placed(name.to_string(), whole)?]),
         [only] if only == Pose::identity() || whole == Pose::identity() => {
-            Ok(vec![(name.to_string(), whole * only)])
+            Ok(vec![placed(name.to_string(), whole * only)?])
         }
         ref several => several
             .iter()
             .enumerate()
-            .map(|(i, pose)| Ok((check::name("id", &format!("{name}_{i}"))?, whole * pose)))
+            .map(|(i, pose)| placed(check::name("id", &format!("{name}_{i}"))?, whole * pose))
             .collect(),
     }
 }

@@ -41,7 +41,7 @@ fn added(command: &ObstacleCommand, name: String) -> Result<Obstacle, Malformed>
     Ok(Obstacle {
         name,
         shape,
-        pose: check::pose("pose", &command.pose)? * local,
+        pose: check::placed("pose", check::pose("pose", &command.pose)? * local)?,
         velocity,
         friction: check::friction(command.friction)?,
     })
@@ -60,9 +60,16 @@ fn shape(kind: u8, solid: &SolidPrimitive) -> Result<Shape, Malformed> {
     let length = usize::from(SolidPrimitive::CYLINDER_HEIGHT);
     match kind {
         ObstacleCommand::SOLID => primitive("solid", solid),
-        ObstacleCommand::DISC => Ok(Shape::Disc {
-            radius: check::size("solid.dimensions[1]", cylinder(radius)?)?,
-        }),
+        ObstacleCommand::DISC => match cylinder(length)? {
+            0.0 => Ok(Shape::Disc {
+                radius: check::size("solid.dimensions[1]", cylinder(radius)?)?,
+            }),
+            thick => Err(Malformed::range(
+                "solid.dimensions[0]",
+                thick,
+                "must be 0 for DISC",
+            )),
+        },
         ObstacleCommand::CAPSULE => Ok(Shape::Capsule {
             radius: check::size("solid.dimensions[1]", cylinder(radius)?)?,
             length: check::size("solid.dimensions[0]", cylinder(length)?)?,

@@ -1,12 +1,13 @@
 //! Every channel that requests come in on, in one table.
 
-use super::{Malformed, Outcome, Request, air, answer, object, obstacle};
+use super::{Malformed, Outcome, Request, air, answer, object, obstacle, services};
 use crate::wire::cdr::CdrError;
 use crate::wire::messages::geometry_msgs::Vector3Stamped;
 use crate::wire::messages::moveit_msgs::CollisionObject;
 use crate::wire::messages::nav_msgs::Odometry;
+use crate::wire::messages::simulation_interfaces as verbs;
 use crate::wire::messages::toile_msgs::{AirflowCommand, ObstacleCommand};
-use crate::wire::{Message, MessageType, cdr};
+use crate::wire::{Message, MessageType, Service, ServiceType, cdr};
 
 /// Longest request \[bytes\].
 const MOST_BYTES: usize = 1 << 20;
@@ -31,6 +32,8 @@ pub struct Inlet {
     pub request: &'static MessageType,
     /// Type of the answer of a service.
     pub response: Option<&'static MessageType>,
+    /// The service, if it is one.
+    pub service: Option<&'static ServiceType>,
     read: fn(&[u8]) -> Result<Request, Malformed>,
     pub(super) write: fn(&Outcome) -> Result<Vec<u8>, CdrError>,
 }
@@ -48,8 +51,23 @@ macro_rules! topic {
             kind: InletKind::Topic,
             request: <$message>::TYPE,
             response: None,
+            service: None,
             read: |bytes| $read(cdr::decode::<$message>(bytes)?),
             write: answer::nothing,
+        }
+    };
+}
+
+macro_rules! service {
+    ($name:literal, $service:ty, $verb:ident) => {
+        Inlet {
+            name: $name,
+            kind: InletKind::Service,
+            request: <$service as Service>::TYPE.request,
+            response: Some(<$service as Service>::TYPE.response),
+            service: Some(<$service as Service>::TYPE),
+            read: |bytes| services::$verb(cdr::decode::<<$service as Service>::Request>(bytes)?),
+            write: answer::$verb,
         }
     };
 }
@@ -64,8 +82,45 @@ static ODOMETRY: Inlet = topic!("/toile/cmd/obstacle_odometry", Odometry, obstac
 static AIRFLOW: Inlet = topic!("/toile/cmd/airflow", AirflowCommand, air::flow);
 static WIND: Inlet = topic!("/toile/cmd/wind", Vector3Stamped, air::wind);
 
+static FEATURES: Inlet = service!(
+    "/toile/get_simulator_features",
+    verbs::GetSimulatorFeatures,
+    features
+);
+static GET_STATE: Inlet = service!(
+    "/toile/get_simulation_state",
+    verbs::GetSimulationState,
+    get_state
+);
+static SET_STATE: Inlet = service!(
+    "/toile/set_simulation_state",
+    verbs::SetSimulationState,
+    set_state
+);
+static STEP: Inlet = service!("/toile/step_simulation", verbs::StepSimulation, step);
+static RESET: Inlet = service!("/toile/reset_simulation", verbs::ResetSimulation, reset);
+static GET_ENTITY: Inlet = service!("/toile/get_entity_state", verbs::GetEntityState, get_entity);
+static SET_ENTITY: Inlet = service!("/toile/set_entity_state", verbs::SetEntityState, set_entity);
+static SPAWN: Inlet = service!("/toile/spawn_entity", verbs::SpawnEntity, spawn);
+static DELETE: Inlet = service!("/toile/delete_entity", verbs::DeleteEntity, delete);
+
 /// All of them.
-pub static ALL: &[&Inlet] = &[&OBSTACLE, &COLLISION_OBJECT, &ODOMETRY, &AIRFLOW, &WIND];
+pub static ALL: &[&Inlet] = &[
+    &OBSTACLE,
+    &COLLISION_OBJECT,
+    &ODOMETRY,
+    &AIRFLOW,
+    &WIND,
+    &FEATURES,
+    &GET_STATE,
+    &SET_STATE,
+    &STEP,
+    &RESET,
+    &GET_ENTITY,
+    &SET_ENTITY,
+    &SPAWN,
+    &DELETE,
+];
 
 /// The inlet of a name.
 pub fn find(name: &str) -> Option<&'static Inlet> {
