@@ -21,6 +21,7 @@ mod pictures;
 mod python;
 mod recording;
 mod refusal;
+mod replay;
 mod scene;
 mod schema_reader;
 mod session;
