@@ -1,6 +1,7 @@
 //! The integration tests: one binary, a module per subject.
 
 mod architecture;
+mod byte_identity;
 mod charts;
 mod cli;
 mod commands;
@@ -8,8 +9,10 @@ mod consistency;
 mod damage;
 mod encoding;
 mod energy;
+mod friction;
 mod inbound;
 mod inbound_objects;
+mod inbound_property;
 mod inbound_services;
 mod lab;
 mod messages;
@@ -22,9 +25,11 @@ mod python;
 mod recording;
 mod refusal;
 mod replay;
+mod samples;
 mod scene;
 mod schema_reader;
 mod session;
 mod tidy;
+mod type_hashes;
 mod verify;
 mod views;
