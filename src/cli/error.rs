@@ -4,7 +4,7 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use crate::node::NodeError;
+use crate::node::{Difference, NodeError};
 use crate::scene::SceneError;
 use crate::sim::Diverged;
 
@@ -28,6 +28,22 @@ pub enum CliError {
     /// A run or a file that failed.
     #[error(transparent)]
     Node(#[from] NodeError),
+    /// A recording that is not whole.
+    #[error("{} is not whole: {count} fault{}", file.display(), if *count == 1 { "" } else { "s" })]
+    Faulty {
+        /// The recording.
+        file: PathBuf,
+        /// Faults that were told.
+        count: usize,
+    },
+    /// A replay that is not what was recorded.
+    #[error("{} differs at {difference}", file.display())]
+    Differs {
+        /// The recording.
+        file: PathBuf,
+        /// Where, and in what.
+        difference: Difference,
+    },
     /// Standard output does not take the result.
     #[error("cannot write to standard output: {0}")]
     Output(io::Error),
@@ -45,9 +61,11 @@ impl CliError {
                 | NodeError::Unreadable { .. }
                 | NodeError::NoSuchFrame { .. },
             ) => ExitCode::from(2),
-            CliError::Diverged { .. } | CliError::Node(_) | CliError::Output(_) => {
-                ExitCode::from(1)
-            }
+            CliError::Diverged { .. }
+            | CliError::Node(_)
+            | CliError::Faulty { .. }
+            | CliError::Differs { .. }
+            | CliError::Output(_) => ExitCode::from(1),
         }
     }
 }

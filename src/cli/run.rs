@@ -1,16 +1,12 @@
 //! `toile run`: simulate a scene and record it.
 
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use clap::Args;
-use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::flag;
 
 use super::progress::Bar;
-use super::{CliError, output, source, summary};
-use crate::node::{self, NodeError, RunOptions};
+use super::{CliError, output, signals, source, summary};
+use crate::node::{self, Carrier, Inbox, Mailbox, NodeError, Pace, RunOptions};
 use crate::scene::{Override, Scene, Warning};
 
 /// Arguments of `toile run`.
@@ -44,6 +40,13 @@ pub(super) struct RunArgs {
     /// Threads of the solver; the result does not depend on it.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: u16,
+    /// Simulated against wall time: free (as fast as possible), real, a factor such as 0.5, or lockstep (steps only
+    /// when told).
+    #[arg(long, value_name = "P", default_value_t = Pace::Free, allow_negative_numbers = true)]
+    pace: Pace,
+    /// Start paused, until somebody says go.
+    #[arg(long)]
+    wait_for_start: bool,
     /// A JSON object instead of the summary.
     #[arg(long)]
     json: bool,
@@ -60,10 +63,16 @@ struct Job {
 impl RunArgs {
     pub(super) fn run(&self) -> Result<(), CliError> {
         let job = self.check()?;
+        let (mailbox, inbox) = Inbox::with_mailbox();
+        let live = self.connect(mailbox)?;
         let options = RunOptions {
             output: Some(job.output.clone()),
             threads: job.threads,
-            stop: stop_flag()?,
+            stop: signals::stop_flag()?,
+            inbox,
+            live,
+            pace: self.pace,
+            wait_for_start: self.wait_for_start,
             ..RunOptions::default()
         };
         for warning in &job.warnings {
@@ -83,6 +92,18 @@ impl RunArgs {
             true => output::print_json(&summary::json(&job.scene, &job.warnings, &summary)),
             false => output::print(&summary::text(&job.scene, &summary)),
         }
+    }
+
+    /// Opens the run to others: live carriers by name, which post what they are told into the mailbox.
+    fn connect(&self, mailbox: Mailbox) -> Result<Vec<(String, Box<dyn Carrier>)>, CliError> {
+        // Nobody holds the mailbox: a run that starts paused would end at once.
+        drop(mailbox);
+        if self.wait_for_start || self.pace == Pace::Lockstep {
+            return Err(CliError::Input(
+                "nobody could start this run; let others in with --shm or --ros2".to_string(),
+            ));
+        }
+        Ok(vec![])
     }
 
     /// Scene, overrides and options into a job that can be run.
@@ -117,17 +138,4 @@ impl RunArgs {
         }
         Ok(overrides)
     }
-}
-
-/// A flag that Ctrl-C and SIGTERM set, so that the run ends after the step at hand with its recording closed.
-/// A second signal ends the process at once.
-fn stop_flag() -> Result<Arc<AtomicBool>, CliError> {
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        // In this order, or the first signal would find the flag set already.
-        flag::register_conditional_shutdown(signal, 1, Arc::clone(&stop))
-            .and_then(|_| flag::register(signal, Arc::clone(&stop)))
-            .map_err(|error| CliError::Input(format!("cannot handle signals: {error}")))?;
-    }
-    Ok(stop)
 }

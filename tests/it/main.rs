@@ -4,6 +4,7 @@ mod architecture;
 mod byte_identity;
 mod charts;
 mod cli;
+mod cli_recordings;
 mod commands;
 mod consistency;
 mod damage;
