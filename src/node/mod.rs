@@ -13,6 +13,8 @@ mod recording;
 mod records;
 mod run;
 mod seal;
+#[cfg(feature = "iceoryx2")]
+pub mod shared_memory;
 mod store;
 mod summary;
 pub mod viewers;

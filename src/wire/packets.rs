@@ -16,6 +16,10 @@ pub struct Packet {
     pub channel: &'static Channel,
     /// Simulated time since the start of the run \[ns\].
     pub stamp: u64,
+    /// Step of the state that it speaks of; 0 for what is said once.
+    pub step: u64,
+    /// Digest of that state; 0 for what is said once.
+    pub digest: u64,
     /// CDR with its encapsulation header.
     pub bytes: Vec<u8>,
 }
@@ -29,6 +33,8 @@ fn packet<M: Message>(
     Ok(Packet {
         channel,
         stamp: nanoseconds(time),
+        step: 0,
+        digest: 0,
         bytes: encode(message)?,
     })
 }
@@ -66,6 +72,10 @@ pub fn instant(
     if with_mesh {
         let surface = markers(&model.mesh, &state.positions, time);
         packets.push(packet(&channels::MESH, time, &surface)?);
+    }
+    for packet in &mut packets {
+        packet.step = step.step;
+        packet.digest = step.digest;
     }
     Ok(packets)
 }

@@ -16,6 +16,8 @@ mod recording;
 mod refusal;
 mod scene;
 mod schema_reader;
+#[cfg(feature = "iceoryx2")]
+mod shared_memory;
 mod tidy;
 mod verify;
 mod views;
