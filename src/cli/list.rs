@@ -112,6 +112,7 @@ fn messages() -> Vec<Entry> {
             channels::Rate::Once => "once",
             channels::Rate::Output => "output.rate",
             channels::Rate::Mesh => "output.mesh_rate",
+            channels::Rate::Event => "on event",
         };
         (
             [topic, name, rate].map(str::to_string).to_vec(),

@@ -64,9 +64,13 @@ fn record(
         with_mesh,
     } in receiver
     {
+        let extras = wire::Extras {
+            with_mesh,
+            ..wire::Extras::default()
+        };
         carry(
             &mut carriers,
-            &wire::instant(model, &state, &report, with_mesh)?,
+            &wire::instant(model, &state, &report, &extras)?,
         )?;
     }
     carriers.iter_mut().try_for_each(|carrier| carrier.close())

@@ -7,10 +7,11 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
-use hiroz_codegen::hashing::is_primitive_type;
+use hiroz_codegen::hashing::{build_type_description_msg, calculate_hash, is_primitive_type};
 use hiroz_codegen::parser::msg::parse_msg_file;
+use hiroz_codegen::parser::srv::parse_srv_file;
 use hiroz_codegen::resolver::Resolver;
-use hiroz_codegen::types::{ArrayType, Field, FieldType, ParsedMessage, ResolvedMessage};
+use hiroz_codegen::types::{ArrayType, Constant, Field, FieldType, ParsedMessage};
 
 type Failure = Box<dyn std::error::Error>;
 /// Package and name of a message type.
@@ -18,33 +19,123 @@ type Key = (String, String);
 
 /// Our own package; all of its messages are generated.
 const OWN_PACKAGE: &str = "toile_msgs";
-/// The standard types that toile publishes; what they contain follows.
-const STANDARD: [(&str, &str); 5] = [
+/// Definitions that `hiroz-codegen` does not bring, a folder per package; see the README there.
+const INTERFACES: &str = "src/wire/interfaces";
+/// The standard types that toile publishes or reads; what they contain follows.
+const STANDARD: [(&str, &str); 12] = [
+    ("diagnostic_msgs", "DiagnosticArray"),
+    ("geometry_msgs", "Vector3Stamped"),
+    ("geometry_msgs", "WrenchStamped"),
+    ("moveit_msgs", "CollisionObject"),
+    ("nav_msgs", "Odometry"),
+    ("rcl_interfaces", "Log"),
     ("rosgraph_msgs", "Clock"),
     ("sensor_msgs", "PointCloud2"),
+    // Service hashes contain it.
+    ("service_msgs", "ServiceEventInfo"),
     ("std_msgs", "String"),
     ("tf2_msgs", "TFMessage"),
     ("visualization_msgs", "MarkerArray"),
 ];
+/// Services, all of this package.
+const SERVICE_PACKAGE: &str = "simulation_interfaces";
 /// Between the parts of a concatenated schema, as rosbag2 writes it.
 const SEPARATOR: &str =
     "================================================================================";
 
+/// A message type as it is written out.
+struct Type {
+    /// As parsed, under the name of the Rust struct.
+    parsed: ParsedMessage,
+    /// Full ROS 2 name.
+    name: String,
+    hash: String,
+}
+
+/// A service type as it is written out.
+struct Service {
+    name: String,
+    hash: String,
+}
+
 fn main() -> Result<(), Failure> {
     println!("cargo:rerun-if-changed=src/wire/build.rs");
+    println!("cargo:rerun-if-changed=src/wire/interfaces");
     println!("cargo:rerun-if-changed=msgs/msg");
-    let parsed = closure(roots()?)?;
-    let sources: BTreeMap<Key, ParsedMessage> =
-        parsed.iter().map(|m| (key(m), m.clone())).collect();
-    let mut resolved = Resolver::new(false).resolve_messages(parsed)?;
-    resolved.sort_by_key(|m| key(&m.parsed));
+    let mut services = vec![];
+    for path in files(&format!("{INTERFACES}/{SERVICE_PACKAGE}/srv"))? {
+        services.push(parse_srv_file(&path, SERVICE_PACKAGE)?);
+    }
+    let mut open = roots()?;
+    for service in &services {
+        open.extend(nested(&service.request).chain(nested(&service.response)));
+    }
+    let sources: BTreeMap<Key, ParsedMessage> = closure(open)?
+        .into_iter()
+        .map(|message| (key(&message), message))
+        .collect();
+    let mut resolver = Resolver::new(false);
+    let messages = resolver.resolve_messages(sources.values().cloned().collect())?;
+    let mut types: Vec<Type> = messages
+        .into_iter()
+        .filter(|m| m.parsed.package != "service_msgs")
+        .map(|m| Type {
+            name: format!("{}/msg/{}", m.parsed.package, m.parsed.name),
+            hash: m.type_hash.to_rihs_string(),
+            parsed: m.parsed,
+        })
+        .collect();
+    let mut called = vec![];
+    for service in services {
+        let name = format!("{SERVICE_PACKAGE}/srv/{}", service.name);
+        types.push(half(&service.request, format!("{name}_Request"), &sources)?);
+        types.push(half(
+            &service.response,
+            format!("{name}_Response"),
+            &sources,
+        )?);
+        let hash = resolver
+            .resolve_service(service)?
+            .type_hash
+            .to_rihs_string();
+        called.push(Service { name, hash });
+    }
+    types.sort_by(|a, b| a.name.cmp(&b.name));
     let out = PathBuf::from(env::var("OUT_DIR")?).join("messages.rs");
-    fs::write(out, emit(&resolved, &sources)?)?;
+    fs::write(out, emit(&types, &called, &sources)?)?;
     Ok(())
+}
+
+/// Request or response of a service. Its hash is that of its own name, which the parser does not know.
+fn half(
+    message: &ParsedMessage,
+    name: String,
+    sources: &BTreeMap<Key, ParsedMessage>,
+) -> Result<Type, Failure> {
+    let mut inner = BTreeMap::new();
+    for ((package, name), source) in sources {
+        let description = build_type_description_msg(source, &BTreeMap::new())?.type_description;
+        inner.insert(format!("{package}/{name}"), description);
+    }
+    let mut described = build_type_description_msg(message, &inner)?;
+    described.type_description.type_name.clone_from(&name);
+    Ok(Type {
+        parsed: message.clone(),
+        name,
+        hash: calculate_hash(&described).to_rihs_string(),
+    })
 }
 
 fn key(message: &ParsedMessage) -> Key {
     (message.package.clone(), message.name.clone())
+}
+
+/// The files of a folder in the order of their names.
+fn files(folder: &str) -> Result<Vec<PathBuf>, Failure> {
+    let entries: Result<Vec<_>, _> = fs::read_dir(folder)?.collect();
+    let mut paths: Vec<_> = entries?.iter().map(|entry| entry.path()).collect();
+    paths.sort();
+    Ok(paths)
 }
 
 /// All of our messages and the standard ones by name.
@@ -53,8 +144,7 @@ fn roots() -> Result<BTreeSet<Key>, Failure> {
         .iter()
         .map(|(package, name)| (package.to_string(), name.to_string()))
         .collect();
-    for entry in fs::read_dir("msgs/msg")? {
-        let path = entry?.path();
+    for path in files("msgs/msg")? {
         let stem = path.file_stem().and_then(|s| s.to_str());
         let name = stem.ok_or("a .msg file name that is not UTF-8")?;
         roots.insert((OWN_PACKAGE.to_string(), name.to_string()));
@@ -75,8 +165,10 @@ fn closure(mut open: BTreeSet<Key>) -> Result<Vec<ParsedMessage>, Failure> {
 
 fn path_of((package, name): &Key) -> PathBuf {
     let file = format!("{name}.msg");
+    let ours = Path::new(INTERFACES).join(package).join("msg").join(&file);
     match package.as_str() {
         OWN_PACKAGE => Path::new("msgs/msg").join(file),
+        _ if ours.exists() => ours,
         _ => hiroz_codegen::bundled_assets_dir(false)
             .join(package)
             .join("msg")
@@ -96,49 +188,78 @@ fn package_of(field: &FieldType, within: &ParsedMessage) -> String {
     field.package.as_ref().unwrap_or(&within.package).clone()
 }
 
-/// One module per package, then the list of all types.
+/// One module per package, then the lists of all types.
 fn emit(
-    messages: &[ResolvedMessage],
+    types: &[Type],
+    services: &[Service],
     sources: &BTreeMap<Key, ParsedMessage>,
 ) -> Result<String, Failure> {
-    let mut packages: BTreeMap<&str, Vec<&ResolvedMessage>> = BTreeMap::new();
-    for message in messages {
-        let members = packages.entry(&message.parsed.package).or_default();
-        members.push(message);
+    let mut packages: BTreeMap<&str, Vec<&Type>> = BTreeMap::new();
+    for kind in types {
+        let members = packages.entry(&kind.parsed.package).or_default();
+        members.push(kind);
     }
     let mut code = String::from("// Generated by src/wire/build.rs from the .msg definitions.\n");
     for (package, members) in &packages {
-        writeln!(code, "/// Messages of the ROS 2 package `{package}`.")?;
+        writeln!(code, "/// Types of the ROS 2 package `{package}`.")?;
         writeln!(code, "pub mod {package} {{")?;
-        for message in members {
-            emit_struct(&mut code, &message.parsed)?;
-            emit_type(&mut code, message, &schema(&message.parsed, sources))?;
+        for member in members {
+            emit_struct(&mut code, member)?;
+            emit_constants(&mut code, &member.parsed)?;
+            emit_type(&mut code, member, &schema(&member.parsed, sources))?;
+        }
+        if *package == SERVICE_PACKAGE {
+            services
+                .iter()
+                .try_for_each(|s| emit_service(&mut code, s))?;
         }
         writeln!(code, "}}")?;
     }
-    emit_list(&mut code, messages)?;
+    emit_list(&mut code, types)?;
     Ok(code)
 }
 
-fn emit_struct(code: &mut String, message: &ParsedMessage) -> Result<(), Failure> {
-    let ParsedMessage { package, name, .. } = message;
-    writeln!(
-        code,
-        "/// `{package}/msg/{name}`; fields as in its definition."
-    )?;
+fn emit_struct(code: &mut String, Type { parsed, name, .. }: &Type) -> Result<(), Failure> {
+    writeln!(code, "/// `{name}`; fields as in its definition.")?;
     writeln!(
         code,
         "#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]"
     )?;
-    writeln!(code, "pub struct {name} {{")?;
-    for field in &message.fields {
-        writeln!(code, "/// `{}`", definition_line(message, field))?;
+    writeln!(code, "pub struct {} {{", parsed.name)?;
+    for field in &parsed.fields {
+        writeln!(code, "/// `{}`", definition_line(parsed, field))?;
         if is_bytes(&field.field_type) {
             writeln!(code, "#[serde(with = \"crate::wire::cdr::bytes\")]")?;
         }
         let escape = if field.name == "type" { "r#" } else { "" };
-        let kind = rust_type(&field.field_type, message)?;
+        let kind = rust_type(&field.field_type, parsed)?;
         writeln!(code, "pub {escape}{}: {kind},", field.name)?;
+    }
+    if parsed.fields.is_empty() {
+        writeln!(code, "/// What ROS 2 sends in place of nothing.")?;
+        writeln!(code, "pub structure_needs_at_least_one_member: u8,")?;
+    }
+    writeln!(code, "}}")?;
+    Ok(())
+}
+
+fn emit_constants(code: &mut String, message: &ParsedMessage) -> Result<(), Failure> {
+    let numbers = message
+        .constants
+        .iter()
+        .filter(|c| c.const_type != "string");
+    writeln!(code, "impl {} {{", message.name)?;
+    for Constant {
+        name,
+        const_type,
+        value,
+    } in numbers
+    {
+        let kind = primitive(const_type).ok_or_else(|| format!("a constant of {const_type}"))?;
+        writeln!(
+            code,
+            "/// As in the definition.\npub const {name}: {kind} = {value};"
+        )?;
     }
     writeln!(code, "}}")?;
     Ok(())
@@ -157,29 +278,38 @@ fn is_bytes(field: &FieldType) -> bool {
     matches!(field.base_type.as_str(), "uint8" | "byte") && field.array == ArrayType::Unbounded
 }
 
+fn primitive(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "bool" => "bool",
+        "byte" | "uint8" => "u8",
+        "int8" => "i8",
+        "uint16" => "u16",
+        "int16" => "i16",
+        "uint32" => "u32",
+        "int32" => "i32",
+        "uint64" => "u64",
+        "int64" => "i64",
+        "float32" => "f32",
+        "float64" => "f64",
+        _ => return None,
+    })
+}
+
 fn rust_type(field: &FieldType, within: &ParsedMessage) -> Result<String, Failure> {
     let element = match field.base_type.as_str() {
-        "bool" => "bool".into(),
-        "byte" | "uint8" => "u8".into(),
-        "int8" => "i8".into(),
-        "uint16" => "u16".into(),
-        "int16" => "i16".into(),
-        "uint32" => "u32".into(),
-        "int32" => "i32".into(),
-        "uint64" => "u64".into(),
-        "int64" => "i64".into(),
-        "float32" => "f32".into(),
-        "float64" => "f64".into(),
-        "string" if field.string_bound.is_none() => "::std::string::String".into(),
-        nested if !is_primitive_type(nested) => {
-            format!("super::{}::{nested}", package_of(field, within))
-        }
-        other => return Err(format!("{}: no mapping for {other}", within.name).into()),
+        "string" if field.string_bound.is_none() => "::std::string::String".to_string(),
+        name if is_primitive_type(name) => primitive(name)
+            .ok_or_else(|| format!("{}: no mapping for {name}", within.name))?
+            .to_string(),
+        nested => format!("super::{}::{nested}", package_of(field, within)),
     };
     match field.array {
         ArrayType::Single => Ok(element),
-        ArrayType::Unbounded => Ok(format!("Vec<{element}>")),
+        // A bound does not show in the bytes; whoever reads a bounded sequence checks its length.
+        ArrayType::Unbounded | ArrayType::Bounded(_) => Ok(format!("Vec<{element}>")),
         ArrayType::Fixed(n) if n <= 32 => Ok(format!("[{element}; {n}]")),
+        // serde knows arrays up to 32; the bytes of a nested one are the same.
+        ArrayType::Fixed(36) => Ok(format!("[[{element}; 6]; 6]")),
         ref other => Err(format!("{}: no mapping for {other:?}", within.name).into()),
     }
 }
@@ -204,26 +334,46 @@ fn schema(root: &ParsedMessage, sources: &BTreeMap<Key, ParsedMessage>) -> Strin
     text + "\n"
 }
 
-fn emit_type(code: &mut String, message: &ResolvedMessage, schema: &str) -> Result<(), Failure> {
-    let ParsedMessage { package, name, .. } = &message.parsed;
-    writeln!(code, "impl crate::wire::Message for {name} {{")?;
+fn emit_type(code: &mut String, kind: &Type, schema: &str) -> Result<(), Failure> {
+    let Type { parsed, name, hash } = kind;
+    writeln!(code, "impl crate::wire::Message for {} {{", parsed.name)?;
     writeln!(code, "const TYPE: &'static crate::wire::MessageType =")?;
-    writeln!(code, "&crate::wire::MessageType {{")?;
-    writeln!(code, "name: \"{package}/msg/{name}\",")?;
-    writeln!(code, "schema: {schema:?},")?;
-    writeln!(code, "hash: \"{}\",", message.type_hash.to_rihs_string())?;
-    writeln!(code, "}};\n}}")?;
+    writeln!(
+        code,
+        "&crate::wire::MessageType {{ name: {name:?}, schema: {schema:?}, hash: {hash:?} }};\n}}"
+    )?;
     Ok(())
 }
 
-fn emit_list(code: &mut String, messages: &[ResolvedMessage]) -> Result<(), Failure> {
-    writeln!(code, "/// Every message type, sorted by name.")?;
+fn emit_service(code: &mut String, Service { name, hash }: &Service) -> Result<(), Failure> {
+    let short = name.rsplit('/').next().unwrap_or(name);
+    let half = |which: &str| format!("<{short}{which} as crate::wire::Message>::TYPE");
+    writeln!(code, "/// `{name}`.")?;
+    writeln!(code, "pub enum {short} {{}}")?;
+    writeln!(code, "impl crate::wire::Service for {short} {{")?;
+    writeln!(code, "type Request = {short}Request;")?;
+    writeln!(code, "type Response = {short}Response;")?;
+    writeln!(code, "const TYPE: &'static crate::wire::ServiceType =")?;
+    writeln!(
+        code,
+        "&crate::wire::ServiceType {{ name: {name:?}, request: {}, response: {}, hash: {hash:?} }};\n}}",
+        half("Request"),
+        half("Response")
+    )?;
+    Ok(())
+}
+
+fn emit_list(code: &mut String, types: &[Type]) -> Result<(), Failure> {
+    writeln!(
+        code,
+        "/// Every message type, sorted by name; requests and responses of services are among them."
+    )?;
     writeln!(code, "pub const ALL: &[&crate::wire::MessageType] = &[")?;
-    for ResolvedMessage { parsed: m, .. } in messages {
+    for Type { parsed, .. } in types {
         writeln!(
             code,
             "<{}::{} as crate::wire::Message>::TYPE,",
-            m.package, m.name
+            parsed.package, parsed.name
         )?;
     }
     writeln!(code, "];")?;

@@ -8,6 +8,8 @@ use super::Message;
 pub const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
 /// The same, big endian; we read it and never write it.
 const ENCAPSULATION_BIG_ENDIAN: [u8; 2] = [0, 0];
+/// Bytes that may follow the last field: middlewares pad to their alignment.
+const MOST_PADDING: usize = 7;
 
 /// Why bytes are not the message that they should be, or the other way round.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -65,13 +67,16 @@ pub fn decode<M: Message>(bytes: &[u8]) -> Result<M, CdrError> {
             return Err(CdrError::Encapsulation { name, found });
         }
     };
-    result
-        .map(|(message, _)| message)
-        .map_err(|e| CdrError::Body {
-            name,
-            bytes: bytes.len(),
-            reason: e.to_string(),
-        })
+    let refused = |reason: String| CdrError::Body {
+        name,
+        bytes: bytes.len(),
+        reason,
+    };
+    let (message, used) = result.map_err(|e| refused(e.to_string()))?;
+    match bytes.len() - ENCAPSULATION.len() - used {
+        0..=MOST_PADDING => Ok(message),
+        left => Err(refused(format!("{left} bytes are left over"))),
+    }
 }
 
 /// `uint8[]` as one block: the bytes on the wire are those of a sequence, written and read at once.

@@ -5,7 +5,7 @@ use super::messages::{
     sensor_msgs::PointCloud2,
     std_msgs::String as Text,
     tf2_msgs::TFMessage,
-    toile_msgs::{MeshTopology, StepReport},
+    toile_msgs::{AppliedCommand, MeshTopology, StepReport},
     visualization_msgs::MarkerArray,
 };
 use super::{Message, MessageType};
@@ -49,12 +49,14 @@ pub enum Rate {
     Output,
     /// At the scene's `output.mesh_rate`.
     Mesh,
+    /// When something happens.
+    Event,
 }
 
 /// A channel.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Channel {
-    /// ROS 2 topic.
+    /// ROS 2 topic; [`OBSTACLE`] in it stands for the name of an obstacle, each of which has a topic of its own.
     pub topic: &'static str,
     /// Type of its messages.
     pub message: &'static MessageType,
@@ -62,6 +64,16 @@ pub struct Channel {
     pub qos: Qos,
     /// When it speaks.
     pub rate: Rate,
+}
+
+/// Place of an obstacle's name in a topic.
+pub const OBSTACLE: &str = "NAME";
+
+impl Channel {
+    /// Whether each obstacle has a topic of its own on this channel.
+    pub fn is_per_obstacle(&self) -> bool {
+        self.topic.split('/').any(|token| token == OBSTACLE)
+    }
 }
 
 const fn channel<M: Message>(topic: &'static str, qos: Qos, rate: Rate) -> Channel {
@@ -89,8 +101,12 @@ pub static REPORT: Channel = channel::<StepReport>("/toile/report", Qos::Reliabl
 /// The surface, for viewers.
 pub static MESH: Channel = channel::<MarkerArray>("/toile/mesh", Qos::Newest, Rate::Mesh);
 
+/// Every command that came in, and what became of it.
+pub static APPLIED: Channel =
+    channel::<AppliedCommand>("/toile/applied", Qos::Reliable, Rate::Event);
+
 /// All of them, in the order in which they are published.
-pub static ALL: [&Channel; 7] = [
+pub static ALL: [&Channel; 8] = [
     &TOPOLOGY,
     &ROBOT_DESCRIPTION,
     &CLOCK,
@@ -98,4 +114,5 @@ pub static ALL: [&Channel; 7] = [
     &STATE,
     &REPORT,
     &MESH,
+    &APPLIED,
 ];

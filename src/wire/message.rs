@@ -20,6 +20,29 @@ pub trait Message: Serialize + DeserializeOwned {
     const TYPE: &'static MessageType;
 }
 
+/// A service type: what is asked, what is answered.
+#[derive(Debug, PartialEq, Eq)]
+pub struct ServiceType {
+    /// Full ROS 2 name, such as `simulation_interfaces/srv/StepSimulation`.
+    pub name: &'static str,
+    /// Type of the request.
+    pub request: &'static MessageType,
+    /// Type of the response.
+    pub response: &'static MessageType,
+    /// Type hash of the whole service, `RIHS01_` and 64 hexadecimal digits (REP 2011).
+    pub hash: &'static str,
+}
+
+/// A `.srv`: the two messages and the names of both.
+pub trait Service {
+    /// What is asked.
+    type Request: Message;
+    /// What is answered.
+    type Response: Message;
+    /// Its ROS 2 type.
+    const TYPE: &'static ServiceType;
+}
+
 /// Structs generated from the `.msg` definitions, a module per ROS 2 package.
 pub mod messages {
     include!(concat!(env!("OUT_DIR"), "/messages.rs"));

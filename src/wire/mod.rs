@@ -4,9 +4,11 @@
 //! which of them goes where, and [`instant`] turns a model and its state into encoded [`Packet`]s.
 //! Nothing here knows files, sockets or the clock.
 
+mod applied;
 pub mod cdr;
 pub mod channels;
 pub mod cloud;
+pub mod inbound;
 mod message;
 mod obstacles;
 mod packets;
@@ -14,9 +16,10 @@ mod report;
 mod sheet;
 mod stamp;
 
-pub use message::{Message, MessageType, messages};
+pub use applied::applied;
+pub use message::{Message, MessageType, Service, ServiceType, messages};
 pub use obstacles::{pose, robot_description, transforms};
-pub use packets::{Packet, instant, preamble};
-pub use report::report;
+pub use packets::{Extras, Packet, instant, preamble};
+pub use report::{Counters, report};
 pub use sheet::{markers, topology};
 pub use stamp::{WORLD, header, nanoseconds, seconds, stamp};

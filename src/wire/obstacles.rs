@@ -2,12 +2,12 @@
 
 use std::fmt::Write as _;
 
-use nalgebra::{Quaternion, Translation3, UnitQuaternion};
+use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use super::messages::geometry_msgs::{self, Transform, TransformStamped};
 use super::messages::tf2_msgs::TFMessage;
 use super::{WORLD, header};
-use crate::contact::{Obstacle, Pose, Shape};
+use crate::contact::{Obstacle, Pose, Shape, Velocity};
 
 /// A half-space is drawn as a slab of this edge \[m\] whose top is the plane.
 const PLANE_EXTENT: f64 = 2.0;
@@ -96,6 +96,41 @@ fn wire(pose: &Pose) -> Transform {
             z: q.k,
             w: q.w,
         },
+    }
+}
+
+/// A pose as a message.
+pub(super) fn wire_pose(pose: &Pose) -> geometry_msgs::Pose {
+    let (p, q) = (pose.translation.vector, pose.rotation);
+    geometry_msgs::Pose {
+        position: geometry_msgs::Point {
+            x: p.x,
+            y: p.y,
+            z: p.z,
+        },
+        orientation: geometry_msgs::Quaternion {
+            x: q.i,
+            y: q.j,
+            z: q.k,
+            w: q.w,
+        },
+    }
+}
+
+/// A velocity as a message.
+pub(super) fn wire_twist(velocity: &Velocity) -> geometry_msgs::Twist {
+    geometry_msgs::Twist {
+        linear: wire_vector(&velocity.linear),
+        angular: wire_vector(&velocity.angular),
+    }
+}
+
+/// A vector as a message.
+pub(super) fn wire_vector(v: &Vector3<f64>) -> geometry_msgs::Vector3 {
+    geometry_msgs::Vector3 {
+        x: v.x,
+        y: v.y,
+        z: v.z,
     }
 }
 

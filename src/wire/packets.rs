@@ -1,10 +1,13 @@
 //! From model, state and report to encoded messages: each is encoded once, whoever carries it.
 
+use std::borrow::Cow;
+
 use super::cdr::{CdrError, encode};
 use super::channels::{self, Channel};
 use super::messages::{rosgraph_msgs::Clock, std_msgs::String as Text};
 use super::{
-    Message, cloud, markers, nanoseconds, report, robot_description, stamp, topology, transforms,
+    Counters, Message, cloud, markers, nanoseconds, report, robot_description, stamp, topology,
+    transforms,
 };
 use crate::contact::Obstacle;
 use crate::sim::{Model, State, StepReport};
@@ -14,6 +17,8 @@ use crate::sim::{Model, State, StepReport};
 pub struct Packet {
     /// Where it goes.
     pub channel: &'static Channel,
+    /// Whose it is, on a channel with a topic per obstacle.
+    pub obstacle: Option<String>,
     /// Simulated time since the start of the run \[ns\].
     pub stamp: u64,
     /// Step of the state that it speaks of; 0 for what is said once.
@@ -24,7 +29,17 @@ pub struct Packet {
     pub bytes: Vec<u8>,
 }
 
-fn packet<M: Message>(
+impl Packet {
+    /// The ROS 2 topic that it goes to.
+    pub fn topic(&self) -> Cow<'static, str> {
+        match &self.obstacle {
+            None => Cow::Borrowed(self.channel.topic),
+            Some(name) => Cow::Owned(self.channel.topic.replace(channels::OBSTACLE, name)),
+        }
+    }
+}
+
+pub(super) fn packet<M: Message>(
     channel: &'static Channel,
     time: f64,
     message: &M,
@@ -32,6 +47,7 @@ fn packet<M: Message>(
     debug_assert_eq!(channel.message.name, M::TYPE.name);
     Ok(Packet {
         channel,
+        obstacle: None,
         stamp: nanoseconds(time),
         step: 0,
         digest: 0,
@@ -50,12 +66,21 @@ pub fn preamble(model: &Model, obstacles: &[Obstacle]) -> Result<Vec<Packet>, Cd
     ])
 }
 
-/// What is said of one state, with the surface if `with_mesh`.
+/// What is said of a state beside the state itself.
+#[derive(Clone, Debug, Default)]
+pub struct Extras {
+    /// Whether the surface is to be drawn.
+    pub with_mesh: bool,
+    /// What the node has counted.
+    pub counters: Counters,
+}
+
+/// What is said of one state.
 pub fn instant(
     model: &Model,
     state: &State,
     step: &StepReport,
-    with_mesh: bool,
+    extras: &Extras,
 ) -> Result<Vec<Packet>, CdrError> {
     let time = step.time;
     let clock = Clock { clock: stamp(time) };
@@ -68,8 +93,9 @@ pub fn instant(
         )?);
     }
     packets.push(packet(&channels::STATE, time, &cloud::encode(state, time))?);
-    packets.push(packet(&channels::REPORT, time, &report(model, step))?);
-    if with_mesh {
+    let said = report(model, step, &extras.counters);
+    packets.push(packet(&channels::REPORT, time, &said)?);
+    if extras.with_mesh {
         let surface = markers(&model.mesh, &state.positions, time);
         packets.push(packet(&channels::MESH, time, &surface)?);
     }

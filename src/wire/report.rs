@@ -4,8 +4,21 @@ use super::header;
 use super::messages::toile_msgs::{Energies, StepReport, Work};
 use crate::sim;
 
-/// A report with the readings named by the scene.
-pub fn report(model: &sim::Model, report: &sim::StepReport) -> StepReport {
+/// What the node counts since the start of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Steps that took longer than the pace allows.
+    pub overruns: u64,
+    /// Messages that live carriers dropped since nobody took them in time.
+    pub dropped_live: u64,
+    /// Commands that were dropped since the inbox was full.
+    pub dropped_commands: u64,
+    /// Commands that did not decode or were out of range.
+    pub malformed_commands: u64,
+}
+
+/// A report with the readings named by the scene and the node's counts.
+pub fn report(model: &sim::Model, report: &sim::StepReport, counters: &Counters) -> StepReport {
     StepReport {
         header: header(report.time),
         step: report.step,
@@ -22,8 +35,10 @@ pub fn report(model: &sim::Model, report: &sim::StepReport) -> StepReport {
         neglect_flags: vec![],
         reading_names: model.scene.observe.keys().cloned().collect(),
         reading_values: report.readings.clone(),
-        carrier_names: vec![],
-        carrier_dropped: vec![],
+        overruns: counters.overruns,
+        dropped_live: counters.dropped_live,
+        dropped_commands: counters.dropped_commands,
+        malformed_commands: counters.malformed_commands,
     }
 }
 

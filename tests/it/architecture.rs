@@ -154,6 +154,7 @@ fn the_readme_describes_every_channel() {
             Rate::Once => "once",
             Rate::Output => "`output.rate`",
             Rate::Mesh => "`output.mesh_rate`",
+            Rate::Event => "on event",
         };
         let row = format!(
             "| `{}` | `{}` | {rate} |",

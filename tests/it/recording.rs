@@ -110,7 +110,7 @@ fn every_carrier_gets_the_bytes_of_the_file() {
     let packets = memory.packets();
     assert_eq!(read.len(), packets.len());
     for (message, packet) in read.iter().zip(&packets) {
-        assert_eq!(message.channel.topic, packet.channel.topic);
+        assert_eq!(message.channel.topic, packet.topic());
         assert_eq!(message.data, packet.bytes);
         assert_eq!(
             (message.log_time, message.publish_time),
@@ -126,6 +126,7 @@ fn every_carrier_gets_the_bytes_of_the_file() {
             Rate::Once => 1,
             Rate::Output => 11, // steps 0, 2, ... 20
             Rate::Mesh => 4,    // steps 0, 8, 16, and the last
+            Rate::Event => 0,
         };
         assert_eq!(count, expected, "{}", channel.topic);
     }
