@@ -26,7 +26,7 @@ pub(super) const SUBSCRIBERS: usize = 8;
 /// Messages that a reader may hold at a time.
 pub(super) const BORROWED: usize = 2;
 /// Callers at a time, and requests of each that may wait.
-const CLIENTS: usize = 16;
+const CLIENTS: usize = 12;
 const REQUESTS: usize = 8;
 /// Processes that may look at one service.
 const NODES: usize = 36;

@@ -16,13 +16,15 @@ mod link;
 mod names;
 mod publisher;
 mod server;
+mod subscription;
 
-pub use client::{Client, Received, Subscription};
+pub use client::Client;
 pub use error::SharedMemoryError;
 pub use header::{ABI, CallHeader, Header, INLET_BYTES, Refusal, ReplyHeader, schema};
 pub use names::RunName;
 pub use publisher::{Counts, SharedMemory};
 pub use server::{Call, Desk};
+pub use subscription::{Received, Subscription};
 
-/// Longest request and longest answer \[bytes\].
+/// Longest request \[bytes\].
 pub const MOST_BYTES: usize = 1 << 20;

@@ -1,6 +1,7 @@
 //! The run's end: a carrier that publishes every channel, and serves the inlets.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -98,7 +99,7 @@ impl Carrier for SharedMemory {
 pub(super) struct Ports {
     pub link: Link,
     pub counts: Arc<Counts>,
-    open: Mutex<BTreeMap<&'static str, Port>>,
+    open: Mutex<BTreeMap<String, Port>>,
 }
 
 #[derive(Debug)]
@@ -111,15 +112,16 @@ struct Port {
 impl Ports {
     fn publish(&self, packet: &Packet) -> Result<(), SharedMemoryError> {
         let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
-        let topic = packet.channel.topic;
-        if !open.contains_key(topic) {
-            open.insert(topic, self.port(packet.channel, packet.bytes.len())?);
-        }
-        if let Some(port) = open.get_mut(topic) {
-            match port.send(packet) {
-                true => Counts::add(&self.counts.published),
-                false => Counts::add(&self.counts.dropped),
+        let port = match open.entry(packet.topic().into_owned()) {
+            Entry::Occupied(port) => port.into_mut(),
+            Entry::Vacant(place) => {
+                let port = self.port(place.key(), packet.channel, packet.bytes.len())?;
+                place.insert(port)
             }
+        };
+        match port.send(packet) {
+            true => Counts::add(&self.counts.published),
+            false => Counts::add(&self.counts.dropped),
         }
         Ok(())
     }
@@ -134,10 +136,15 @@ impl Ports {
     }
 
     /// A port for messages of about this length \[bytes\]; with fewer of them in a small shared memory.
-    fn port(&self, channel: &Channel, bytes: usize) -> Result<Port, SharedMemoryError> {
+    fn port(
+        &self,
+        topic: &str,
+        channel: &Channel,
+        bytes: usize,
+    ) -> Result<Port, SharedMemoryError> {
         let mut depth = depth(channel, bytes);
         loop {
-            let (service, made) = self.link.make_channel(channel.topic, depth)?;
+            let (service, made) = self.link.make_channel(topic, depth)?;
             let publisher = service
                 .publisher_builder()
                 .initial_max_slice_len(bytes.max(1))
@@ -156,7 +163,7 @@ impl Ports {
                     depth /= 2;
                 }
                 Err(error) => {
-                    let name = self.link.run.channel(channel.topic);
+                    let name = self.link.run.channel(topic);
                     return Err(SharedMemoryError::transport("publish", &name)(error));
                 }
             }

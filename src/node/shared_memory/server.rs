@@ -16,6 +16,9 @@ use super::header::{ABI, CallHeader, Refusal, ReplyHeader};
 use super::link::Ipc;
 use super::publisher::{Counts, Ports};
 use super::{MOST_BYTES, SharedMemoryError};
+use crate::wire::cdr;
+use crate::wire::inbound::{self, InletKind};
+use crate::wire::messages::toile_msgs::AppliedCommand;
 
 /// Takes requests to the simulation.
 pub trait Desk: Send {
@@ -46,8 +49,11 @@ const BATCH: usize = 64;
 const IDLE: Duration = Duration::from_millis(10);
 /// How soon an answer is passed on.
 const WAITING: Duration = Duration::from_micros(500);
-/// How long an answer is waited for; a step of a large sheet takes seconds, not minutes.
-const PATIENCE: Duration = Duration::from_secs(60);
+/// How long an answer is waited for: many steps of a large sheet take long, but not forever.
+const PATIENCE: Duration = Duration::from_secs(3600);
+
+/// Longest answer \[bytes\].
+const MOST_ANSWER: usize = 8 << 10;
 
 type Port = server::Server<Ipc, [u8], CallHeader, [u8], ReplyHeader>;
 type Request = ActiveRequest<Ipc, [u8], CallHeader, [u8], ReplyHeader>;
@@ -114,8 +120,9 @@ fn claim(ports: &Ports) -> Result<Port, SharedMemoryError> {
     let build = || {
         inlets
             .server_builder()
-            .initial_max_slice_len(1024)
-            .allocation_strategy(AllocationStrategy::PowerOfTwo)
+            // Not to grow: memory for the answers to all callers would grow with the longest of them.
+            .initial_max_slice_len(MOST_ANSWER)
+            .allocation_strategy(AllocationStrategy::Static)
             .backpressure_strategy(BackpressureStrategy::DiscardData)
             .max_loaned_responses_per_request(1)
             .create()
@@ -150,6 +157,8 @@ struct Office {
 /// A request that waits for its answer.
 struct Open {
     request: Request,
+    /// Whether the answer repeats the message, which its sender has.
+    repeats: bool,
     answer: Receiver<Vec<u8>>,
     since: Instant,
 }
@@ -176,9 +185,12 @@ impl Office {
         let counts = &self.ports.counts;
         Counts::add(&counts.received);
         let (reply, answer) = channel();
-        match read(&request, reply).and_then(|call| self.desk.take(call)) {
+        let call = read(&request, reply);
+        let repeats = call.as_ref().is_ok_and(|call| is_topic(&call.inlet));
+        match call.and_then(|call| self.desk.take(call)) {
             Ok(()) => self.open.push(Open {
                 request,
+                repeats,
                 answer,
                 since: Instant::now(),
             }),
@@ -219,6 +231,7 @@ impl Open {
     /// Whether it is done with: answered, overdue, or its caller gone.
     fn settled(&self) -> bool {
         match self.answer.try_recv() {
+            Ok(bytes) if self.repeats => respond(&self.request, Ok(&without_payload(bytes))),
             Ok(bytes) => respond(&self.request, Ok(&bytes)),
             Err(TryRecvError::Disconnected) => respond(&self.request, Err(Refusal::NoAnswer)),
             Err(TryRecvError::Empty) if self.since.elapsed() > PATIENCE => {
@@ -230,11 +243,24 @@ impl Open {
     }
 }
 
+fn is_topic(inlet: &str) -> bool {
+    inbound::find(inlet).is_some_and(|inlet| inlet.kind == InletKind::Topic)
+}
+
+/// What became of a command, without the command, which may be long.
+fn without_payload(bytes: Vec<u8>) -> Vec<u8> {
+    let slim = cdr::decode::<AppliedCommand>(&bytes).and_then(|mut applied| {
+        applied.payload.clear();
+        cdr::encode(&applied)
+    });
+    slim.unwrap_or(bytes)
+}
+
 /// Answers; a caller that no longer waits does not mind that it fails.
 fn respond(request: &Request, answer: Result<&[u8], Refusal>) {
     let reason;
     let (status, bytes) = match answer {
-        Ok(bytes) if bytes.len() <= MOST_BYTES => (0, bytes),
+        Ok(bytes) if bytes.len() <= MOST_ANSWER => (0, bytes),
         Ok(_) => (Refusal::NoAnswer.status(), &[][..]),
         Err(refusal) => {
             reason = refusal.to_string();
