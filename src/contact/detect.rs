@@ -47,6 +47,23 @@ impl Proximity {
     }
 }
 
+/// Bits of a key below the obstacle.
+const FEATURE_BITS: u32 = 40;
+
+fn key(obstacle: u32, kind: u64, feature: u32) -> u64 {
+    (u64::from(obstacle) << FEATURE_BITS) | (kind << 36) | u64::from(feature)
+}
+
+/// Index of the obstacle in a proximity's key.
+pub fn obstacle_of(key: u64) -> u32 {
+    (key >> FEATURE_BITS) as u32
+}
+
+/// The key of the same feature near the obstacle that has another index now.
+pub fn with_obstacle(key: u64, obstacle: u32) -> u64 {
+    key & ((1 << FEATURE_BITS) - 1) | (u64::from(obstacle) << FEATURE_BITS)
+}
+
 /// Lead over the rim at which a point within an edge or face has its full share \[m\].
 const LEAD: f64 = 2e-5;
 
@@ -157,8 +174,7 @@ pub fn detect(
     let (index, body) = obstacle;
     let local = body.all_to_local(nearby.vertices.iter().map(|&v| &positions[v as usize]));
     let values: Vec<First> = local.iter().map(|p| body.shape.first_order(p)).collect();
-    let key =
-        |kind: u64, feature: u32| (u64::from(index) << 40) | (kind << 36) | u64::from(feature);
+    let key = |kind: u64, feature: u32| key(index, kind, feature);
     let mut add = |key, face, weights, share, at: &Vector3<f64>| {
         let distance = body.to_world(&body.shape.distance(at));
         found.push(Proximity {

@@ -7,6 +7,6 @@ mod obstacle;
 #[cfg(test)]
 mod test;
 
-pub use detect::{Features, Nearby, Proximity, detect};
+pub use detect::{Features, Nearby, Proximity, detect, obstacle_of, with_obstacle};
 pub use distance::Distance;
 pub use obstacle::{Obstacle, Pose, Shape, Velocity};

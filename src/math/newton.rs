@@ -48,6 +48,13 @@ pub struct Scratch {
     projection: f64,
 }
 
+impl Scratch {
+    /// Forgets what earlier systems needed, so that the next one does not depend on them.
+    pub fn forget(&mut self) {
+        self.projection = 0.0;
+    }
+}
+
 /// Least share of projection that is tried.
 const LEAST_PROJECTION: f64 = 1.0 / 64.0;
 /// Most halvings of one step.

@@ -6,12 +6,18 @@
 mod bag;
 mod carrier;
 mod clock;
+mod drive;
 mod error;
+mod inbox;
+mod live;
 mod mcap_file;
+mod mode;
+mod pace;
 mod recorder;
 mod recording;
 mod records;
 mod run;
+mod schedule;
 mod seal;
 #[cfg(feature = "iceoryx2")]
 pub mod shared_memory;
@@ -21,9 +27,13 @@ pub mod viewers;
 
 pub use bag::Destination;
 pub use carrier::{Carrier, Memory};
+pub use clock::Lateness;
 pub use error::NodeError;
+pub use inbox::{Full, Inbox, Mailbox, Order};
+pub use live::{Gauge, Live, LiveTally};
 pub use mcap_file::McapFile;
+pub use pace::{BadPace, Pace};
 pub use recording::{Frame, Recording};
 pub use run::{Progress, RunOptions, run};
 pub use seal::seal;
-pub use summary::{Peak, Summary};
+pub use summary::{Orders, Peak, Summary};

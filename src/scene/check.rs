@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::error::{Problem, SceneError};
 use super::keys::{Key, Kind, names};
+use super::ranges::{NAME, is_name};
 use super::spelling::nearest;
 use super::tree::{Node, Value};
 
@@ -98,6 +99,7 @@ fn value(node: &Node, path: &str, kind: &Kind) -> Result<(), SceneError> {
         Kind::FileName => in_range(is_file_name(text(node, path, &expected)?)),
         Kind::Axes => in_range(is_axes(text(node, path, &expected)?)),
         Kind::Choice(words) => choice(node, path, words, &expected),
+        Kind::Some(words) => some(node, path, words, &expected),
         Kind::Table(keys) => table(node, path, keys),
         Kind::Named(keys) => named(node, path, keys),
         Kind::Tagged(variants) => tagged(node, path, variants, &expected),
@@ -109,10 +111,9 @@ fn named(node: &Node, path: &str, keys: &[Key]) -> Result<(), SceneError> {
     let entries = entries(node, path, || Kind::Named(&[]).expected())?;
     for (name, entry) in entries {
         let path = join(path, name);
-        if !is_ros_name(name) {
-            let reason = "is not a name: must be 1 to 64 letters, digits or single `_`, a letter first, \
-                          no `_` at the end, and not `world`";
-            return Err(refuse_key(entry, &path, Problem::Conflict(reason.into())));
+        if !is_name(name) {
+            let reason = format!("is not a name: must be {NAME}");
+            return Err(refuse_key(entry, &path, Problem::Conflict(reason)));
         }
         table(entry, &path, keys)?;
     }
@@ -159,6 +160,25 @@ fn choice(
     Err(refuse(node, path, problem))
 }
 
+/// An array of choices without repetition.
+fn some(
+    node: &Node,
+    path: &str,
+    words: &[&'static str],
+    expected: &dyn Fn() -> String,
+) -> Result<(), SceneError> {
+    let Value::Array(items) = &node.value else {
+        return Err(wrong_type(node, path, expected()));
+    };
+    for (i, item) in items.iter().enumerate() {
+        choice(item, path, words, expected)?;
+        if items[..i].iter().any(|other| other.text() == item.text()) {
+            return Err(out_of_range(node, path, expected()));
+        }
+    }
+    Ok(())
+}
+
 fn entries<'a>(
     node: &'a Node,
     path: &str,
@@ -198,17 +218,6 @@ fn text<'a>(
 ) -> Result<&'a str, SceneError> {
     node.text()
         .ok_or_else(|| wrong_type(node, path, expected()))
-}
-
-/// A name that can stand in ROS topics and frames, and is not the root frame.
-fn is_ros_name(name: &str) -> bool {
-    let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
-    name.starts_with(|c: char| c.is_ascii_alphabetic())
-        && name.chars().all(plain)
-        && !name.contains("__")
-        && !name.ends_with('_')
-        && name.len() <= 64
-        && name != "world"
 }
 
 /// A name that becomes the stem of the recording, so no separators and no leading dot or dash.

@@ -4,6 +4,7 @@
 //! possible but unwise is left to warnings. `tests/it/scene.rs` holds this table against the serde types.
 
 use super::quantity::{Range, range};
+use super::ranges::{FRICTION, PLACE, SIZE, SPEED, TURN_RATE};
 
 /// One key of a table.
 pub(super) struct Key {
@@ -30,6 +31,8 @@ pub(super) enum Kind {
     Axes,
     /// One of these words.
     Choice(&'static [&'static str]),
+    /// An array of some of these words, each at most once.
+    Some(&'static [&'static str]),
     /// A table with these keys.
     Table(&'static [Key]),
     /// A table of tables, each with a name of the user's choice and these keys.
@@ -56,10 +59,6 @@ const fn may(name: &'static str, kind: Kind) -> Key {
 
 use Kind::{Axes, Choice, Count, FileName, Named, Number, Points, Table, Tagged, Text, Vector};
 
-/// Sizes of sheets and obstacles.
-const SIZE: Range = range(1e-6, 1e3, "m");
-/// Coordinates in the world.
-const PLACE: Range = range(-1e3, 1e3, "m");
 /// Angles of poses.
 const ANGLE: Range = range(-360.0, 360.0, "degrees");
 /// Any seed that TOML can hold.
@@ -72,6 +71,7 @@ pub(super) const SCENE: &[Key] = &[
     need("duration", Number(range(1e-6, 1e5, "s"))),
     may("gravity", Vector(3, range(-1e3, 1e3, "m/s²"))),
     may("damping", Number(range(0.0, 1e4, "kg/(m²·s)"))),
+    may("accept", Kind::Some(&["obstacles", "air"])),
     need("sheet", Table(SHEET)),
     need("fabric", Table(FABRIC)),
     may("support", Named(SUPPORT)),
@@ -145,9 +145,9 @@ const OBSTACLE: &[Key] = &[
     need("shape", Tagged(SHAPE)),
     may("position", Vector(3, PLACE)),
     may("rotation", Vector(3, ANGLE)),
-    may("linear_velocity", Vector(3, range(-100.0, 100.0, "m/s"))),
-    may("angular_velocity", Vector(3, range(-1e3, 1e3, "rad/s"))),
-    may("friction", Number(range(0.0, 10.0, ""))),
+    may("linear_velocity", Vector(3, SPEED)),
+    may("angular_velocity", Vector(3, TURN_RATE)),
+    may("friction", Number(FRICTION)),
 ];
 
 const SHAPE: &[(&str, &[Key])] = &[
@@ -209,6 +209,12 @@ impl Kind {
             FileName => "1 to 64 letters, digits, `-` or `_`, a letter or digit first".to_string(),
             Axes => "some of the letters x, y, z, each at most once".to_string(),
             Choice(words) => format!("one of {}", words.join(", ")),
+            Kind::Some(words) => {
+                format!(
+                    "an array of some of {}, each at most once",
+                    words.join(", ")
+                )
+            }
             Table(keys) => format!("a table of {}", names(keys)),
             Named(keys) => format!("a table of named tables of {}", names(keys)),
             Tagged(variants) => {

@@ -14,6 +14,7 @@ mod needs;
 mod overrides;
 mod parse;
 mod quantity;
+pub mod ranges;
 mod spec;
 mod spelling;
 mod tree;

@@ -5,7 +5,7 @@
 use std::fmt;
 
 use super::quantity::short;
-use super::spec::Scene;
+use super::spec::{Accept, ObstacleSpec, Scene};
 
 /// A term of the equation of motion; each has its folder in `physics`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -70,14 +70,15 @@ impl Term {
                 (mu > 0.0).then(|| format!("damping = {} kg/(m²·s)", short(mu)))
             }
             Term::Support => list(scene.support.keys().map(|name| format!("support.{name}"))),
-            Term::Contact => list(scene.obstacle.keys().map(|name| format!("obstacle.{name}"))),
+            Term::Contact => list(scene.obstacle.keys().map(|name| format!("obstacle.{name}")))
+                .or_else(|| commanded(scene, "commands may add obstacles")),
             Term::Friction => {
                 let rough = scene.obstacle.iter().filter(|(_, o)| o.friction > 0.0);
-                list(
-                    rough.map(|(name, o)| {
-                        format!("obstacle.{name}.friction = {}", short(o.friction))
-                    }),
-                )
+                let of = |(name, o): (&String, &ObstacleSpec)| {
+                    format!("obstacle.{name}.friction = {}", short(o.friction))
+                };
+                list(rough.map(of))
+                    .or_else(|| commanded(scene, "commands may add obstacles with friction"))
             }
         }
     }
@@ -93,6 +94,17 @@ impl fmt::Display for Term {
 pub fn needs(scene: &Scene) -> Vec<(Term, Reason)> {
     let need = |term: Term| Some((term, term.reason(scene)?));
     Term::ALL.into_iter().filter_map(need).collect()
+}
+
+/// The reason for what only a command can bring.
+fn commanded(scene: &Scene, reason: &str) -> Option<Reason> {
+    let origin = match scene.accept {
+        Some(_) => "accept has \"obstacles\"",
+        None => "a scene with obstacles accepts more",
+    };
+    scene
+        .accepts(Accept::Obstacles)
+        .then(|| format!("{origin}: {reason}"))
 }
 
 /// The parts with commas between; nothing if there are none.

@@ -4,7 +4,7 @@ use std::fmt;
 
 /// Closed range of a number. NaN and infinities lie outside every range.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Range {
+pub struct Range {
     /// Smallest allowed value.
     pub min: f64,
     /// Largest allowed value.
@@ -13,12 +13,14 @@ pub(super) struct Range {
     pub unit: &'static str,
 }
 
+/// A range from `min` to `max`.
 pub(super) const fn range(min: f64, max: f64, unit: &'static str) -> Range {
     Range { min, max, unit }
 }
 
 impl Range {
-    pub(super) fn contains(&self, value: f64) -> bool {
+    /// Whether a value lies in the range, ends included.
+    pub fn contains(&self, value: f64) -> bool {
         value >= self.min && value <= self.max
     }
 }

@@ -26,6 +26,9 @@ pub struct Scene {
     /// Viscous damping mu of equation (11) \[kg/(m²·s)\].
     #[serde(default)]
     pub damping: f64,
+    /// Commands that a run takes. Left out, it takes those for what the scene has: obstacles, air.
+    #[serde(default)]
+    pub accept: Option<Vec<Accept>>,
     /// The sheet.
     pub sheet: SheetSpec,
     /// What it is made of.
@@ -50,7 +53,36 @@ pub struct Scene {
     pub observe: BTreeMap<String, ObserveSpec>,
 }
 
+/// A kind of command that a run may take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Accept {
+    /// Adding, moving and removing obstacles.
+    Obstacles,
+    /// Another air flow.
+    Air,
+}
+
+impl Accept {
+    /// The word in a scene's key `accept`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Accept::Obstacles => "obstacles",
+            Accept::Air => "air",
+        }
+    }
+}
+
 impl Scene {
+    /// Whether a run takes commands of a kind: those that `accept` lists; without it, those for what there is.
+    pub fn accepts(&self, kind: Accept) -> bool {
+        match (&self.accept, kind) {
+            (Some(list), _) => list.contains(&kind),
+            (None, Accept::Obstacles) => !self.obstacle.is_empty(),
+            (None, Accept::Air) => false,
+        }
+    }
+
     /// Number of steps of the run: the duration in whole steps, at least one.
     pub fn steps(&self) -> u64 {
         ((self.duration / self.method.dt).round() as u64).max(1)

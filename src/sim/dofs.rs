@@ -49,6 +49,18 @@ impl Dofs {
         }
     }
 
+    /// A vector on a node without its prescribed components.
+    pub fn free(&self, node: usize, vector: Vector3<f64>) -> Vector3<f64> {
+        let index = self.index[node];
+        Vector3::from_fn(|axis, _| {
+            if index[axis] == NO_SLOT {
+                0.0
+            } else {
+                vector[axis]
+            }
+        })
+    }
+
     /// Writes the free components of `nodes` into `z`.
     pub fn gather(&self, nodes: &[Vector3<f64>], z: &mut [f64]) {
         for (node, index) in nodes.iter().zip(&self.index) {

@@ -9,7 +9,6 @@ use super::state::State;
 use super::touch::{Before, Touch};
 use crate::math::cholesky::Cholesky;
 use crate::math::newton::{Limits, Outcome, Problem, Scratch, newton};
-use crate::math::sparse::NO_SLOT;
 use crate::physics::Potential;
 
 /// Solver of implicit steps: all that is reused from step to step and is not state.
@@ -50,6 +49,11 @@ impl Implicit {
             forces: vec![],
             stresses: vec![],
         }
+    }
+
+    /// Forgets the steps before: a step depends on the state alone, whatever led to it.
+    pub fn forget(&mut self) {
+        self.scratch.forget();
     }
 
     /// Solves the equations of one step of `dt` from `state`.
@@ -122,12 +126,8 @@ fn predict(model: &Model, state: &State, rule: Rule, dt: f64) -> Vec<Vector3<f64
     if rule == Rule::GradientFlow {
         return nodes;
     }
-    for v in 0..model.masses.len() {
-        for axis in 0..3 {
-            if model.dofs.index[v][axis] != NO_SLOT {
-                nodes[v][axis] += dt * state.velocities[v][axis];
-            }
-        }
+    for (v, velocity) in state.velocities.iter().enumerate() {
+        nodes[v] += model.dofs.free(v, velocity * dt);
     }
     nodes
 }
@@ -170,9 +170,7 @@ impl StepProblem<'_> {
 
     /// Residual force of a node on its free components \[N\].
     fn free(&self, node: usize) -> Vector3<f64> {
-        let index = self.model.dofs.index[node];
-        let mask = |axis: usize| f64::from(index[axis] != NO_SLOT);
-        self.forces[node].component_mul(&Vector3::new(mask(0), mask(1), mask(2)))
+        self.model.dofs.free(node, self.forces[node])
     }
 
     fn worst(&self) -> usize {

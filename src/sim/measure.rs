@@ -1,8 +1,6 @@
 //! Stage 8: what a step reports, read-only.
 
 use super::assembly::pick;
-use super::implicit::Solved;
-use super::integrate::Rule;
 use super::model::Model;
 use super::report::StepReport;
 use super::state::State;
@@ -17,6 +15,9 @@ pub fn measure(model: &Model, state: &State, touch: &Touch, report: &mut StepRep
     energies.stretch = total(&model.stretch, &nodes);
     energies.bend = total(&model.bend, &nodes);
     energies.gravity = total(&model.gravity, &nodes) - model.start_gravity;
+    energies.damping = state.ledger.damping;
+    energies.friction = state.ledger.friction;
+    energies.supports = state.ledger.supports;
     if let Some(law) = &model.contact {
         energies.contact = touch.energy(model, law, &nodes);
         report.deepest_penetration = touch.deepest(law);
@@ -45,27 +46,6 @@ pub fn measure(model: &Model, state: &State, touch: &Touch, report: &mut StepRep
     report.dt = model.scene.method.dt;
     report.time = state.step as f64 * report.dt;
     report.digest = state.digest();
-}
-
-/// Adds what damping, friction and moving obstacles did in a solved step to the ledger.
-pub fn account(
-    model: &Model,
-    state: &State,
-    solved: &Solved,
-    rule: Rule,
-    dt: f64,
-    report: &mut StepReport,
-) {
-    let mut end = state.clone();
-    rule.advance(&mut end, &solved.map, &solved.nodes, dt);
-    let power = model.damping.power(&state.velocities) + model.damping.power(&end.velocities);
-    let (_, slipped) = solved.touch.settle(&solved.nodes);
-    let energies = &mut report.energies;
-    energies.damping += 0.5 * dt * power;
-    energies.friction += slipped;
-    energies.supports += solved
-        .touch
-        .work_of_obstacles(model, &state.obstacles, &solved.nodes);
 }
 
 fn kinetic(model: &Model, state: &State) -> f64 {

@@ -1,7 +1,10 @@
 //! The simulation: a constant model, a state, and the only two ways to change it.
 
+mod admit;
+mod apply;
 mod assembly;
 mod command;
+mod digest;
 mod dofs;
 mod implicit;
 mod integrate;
@@ -9,14 +12,20 @@ mod kernel;
 mod measure;
 mod model;
 mod report;
+mod resume;
+mod settle;
 mod simulation;
 mod slopes;
+mod start;
 mod state;
+mod step;
 mod touch;
 
 pub use command::{AirRegion, Airflow, Command, Rejected};
 pub use dofs::Dofs;
 pub use model::{Model, Reading};
 pub use report::{Energies, StepReport, Work};
-pub use simulation::{Diverged, Refused, Simulation};
-pub use state::{History, Memory, State};
+pub use resume::Mismatch;
+pub use simulation::{Refused, Simulation};
+pub use state::{History, Ledger, Memory, State};
+pub use step::Diverged;

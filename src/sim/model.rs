@@ -13,7 +13,7 @@ use crate::physics::damping::Damping;
 use crate::physics::gravity::Gravity;
 use crate::physics::stretch::Stretch;
 use crate::physics::support::Support;
-use crate::scene::{Axis, Region, Scene, SupportKind};
+use crate::scene::{Axis, Region, Scene, SupportKind, Term, needs};
 use crate::sheet::{Mesh, MeshOptions, generate};
 
 use super::dofs::Dofs;
@@ -43,7 +43,7 @@ pub struct Model {
     pub damping: Damping,
     /// What holds the sheet.
     pub supports: Vec<Support>,
-    /// The contact law, if the scene has obstacles.
+    /// The contact law, if the scene has obstacles or commands may add some.
     pub contact: Option<ContactLaw>,
     /// Incidence for contact detection.
     pub features: Features,
@@ -85,8 +85,8 @@ impl Model {
         let membrane = fabric.membrane();
         let stiffness = (membrane.c11 * membrane.c22).sqrt();
         let supports: Vec<Support> = supports(scene, &mesh);
-        let contact = (!scene.obstacle.is_empty())
-            .then(|| ContactLaw::new(weight, stiffness, fabric.thickness));
+        let needed = needs(scene).iter().any(|(term, _)| *term == Term::Contact);
+        let contact = needed.then(|| ContactLaw::new(weight, stiffness, fabric.thickness));
         let (turn, shift) = placement(scene);
         let start_gravity = (0..masses.len())
             .map(|v| {

@@ -1,9 +1,8 @@
 //! All that a bitwise equal resume needs.
 
 use nalgebra::Vector3;
-use xxhash_rust::xxh3::Xxh3;
 
-use crate::contact::Obstacle;
+use crate::contact::{Obstacle, obstacle_of, with_obstacle};
 
 /// The integrated state. Vectors are written by stage 6 (advance) of a step.
 #[derive(Clone, Debug)]
@@ -24,6 +23,19 @@ pub struct State {
     pub history: History,
     /// Frictional bonds, sorted by key.
     pub bonds: Vec<Memory>,
+    /// What the sheet has exchanged with the world; no step depends on it, but a report does.
+    pub ledger: Ledger,
+}
+
+/// Energy exchanged since the start \[J\].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ledger {
+    /// Taken out by viscous damping.
+    pub damping: f64,
+    /// Taken out by friction.
+    pub friction: f64,
+    /// Put in by moving supports and obstacles, commands included.
+    pub supports: f64,
 }
 
 /// Scheme history.
@@ -49,41 +61,41 @@ pub struct Memory {
 }
 
 impl State {
-    /// A 64-bit digest of every number that the next step depends on.
-    pub fn digest(&self) -> u64 {
-        let mut hash = Xxh3::new();
-        let mut vectors = |list: &[Vector3<f64>]| {
-            for v in list {
-                for c in v.iter() {
-                    hash.update(&c.to_le_bytes());
-                }
-            }
-        };
-        vectors(&self.positions);
-        vectors(&self.velocities);
-        vectors(&self.slopes);
-        vectors(&self.slope_rates);
-        vectors(&self.history.positions);
-        vectors(&self.history.velocities);
-        vectors(&self.history.accelerations);
-        for obstacle in &self.obstacles {
-            vectors(&[
-                obstacle.pose.translation.vector,
-                obstacle.pose.rotation.imag(),
-                obstacle.velocity.linear,
-                obstacle.velocity.angular,
-            ]);
-        }
-        for bond in &self.bonds {
-            vectors(&[bond.offset]);
-        }
-        hash.update(&self.step.to_le_bytes());
-        hash.update(&self.history.dt.to_le_bytes());
-        hash.digest()
-    }
-
     /// Positions, then slopes: the nodes of the bending stencils.
     pub fn nodes(&self) -> Vec<Vector3<f64>> {
         self.positions.iter().chain(&self.slopes).copied().collect()
+    }
+
+    /// Where the obstacle of a name stands.
+    pub fn find_obstacle(&self, name: &str) -> Option<usize> {
+        self.obstacles
+            .binary_search_by(|o| o.name.as_str().cmp(name))
+            .ok()
+    }
+
+    /// Adds an obstacle at its place in the order of names; every bond stays with its obstacle.
+    pub(super) fn add_obstacle(&mut self, obstacle: Obstacle) -> usize {
+        let at = self.obstacles.partition_point(|o| o.name < obstacle.name);
+        for bond in &mut self.bonds {
+            let number = obstacle_of(bond.key);
+            if number as usize >= at {
+                bond.key = with_obstacle(bond.key, number + 1);
+            }
+        }
+        self.obstacles.insert(at, obstacle);
+        at
+    }
+
+    /// Takes an obstacle away with its bonds; every other bond stays with its obstacle.
+    pub(super) fn remove_obstacle(&mut self, at: usize) {
+        self.obstacles.remove(at);
+        self.bonds
+            .retain(|bond| obstacle_of(bond.key) as usize != at);
+        for bond in &mut self.bonds {
+            let number = obstacle_of(bond.key);
+            if number as usize > at {
+                bond.key = with_obstacle(bond.key, number - 1);
+            }
+        }
     }
 }

@@ -3,9 +3,10 @@
 use nalgebra::Vector3;
 
 use super::assembly::{Assembly, pick};
+use super::measure::total;
 use super::model::Model;
-use super::state::Memory;
-use crate::contact::{Nearby, Obstacle, Proximity, detect};
+use super::state::{Memory, State};
+use crate::contact::{Nearby, Obstacle, Pose, Proximity, detect, obstacle_of};
 use crate::physics::Potential;
 use crate::physics::contact::{Contact, ContactLaw, weighted};
 use crate::physics::friction::{Bond, Friction};
@@ -79,6 +80,47 @@ impl Touch {
         }
     }
 
+    /// Contacts of the state as it stands; with `only`, those with one obstacle.
+    pub fn of(model: &Model, state: &State, only: Option<usize>) -> Self {
+        let mut touch = Self {
+            obstacles: state.obstacles.clone(),
+            ..Self::default()
+        };
+        let Some(law) = &model.contact else {
+            return touch;
+        };
+        let before = Before {
+            positions: &state.positions,
+            obstacles: &state.obstacles,
+            bonds: &state.bonds,
+        };
+        let nearby = only.map(|at| {
+            let mut nearby = vec![Nearby::default(); state.obstacles.len()];
+            let body = &state.obstacles[at];
+            nearby[at] = Nearby::find(&model.mesh, &state.positions, body, law.offset);
+            nearby
+        });
+        touch.find(model, law, &state.positions, &before, nearby.as_deref());
+        touch
+    }
+
+    /// Lets the anchors of these bonds ride along as their one obstacle goes to `pose`.
+    pub fn ride(&self, pose: &Pose, state: &mut State) {
+        for (bond, key) in self.bonds.iter().zip(&self.keys) {
+            if let Ok(i) = state.bonds.binary_search_by_key(key, |m| m.key) {
+                let from = &self.obstacles[obstacle_of(*key) as usize].pose;
+                let local = from.inverse_transform_point(&bond.anchor.into());
+                state.bonds[i].offset += bond.anchor - pose.transform_point(&local).coords;
+            }
+        }
+    }
+
+    /// Energy of contact and of friction, what slip would take included \[J\].
+    pub fn potential(&self, model: &Model, law: &ContactLaw, nodes: &[Vector3<f64>]) -> f64 {
+        let (contact, friction) = (self.contact(model, law), Friction { bonds: &self.bonds });
+        total(&contact, nodes) + total(&friction, nodes)
+    }
+
     /// Contact and friction forces on vertices \[N\], in the order of the proximities, then of the bonds.
     pub fn pushes(
         &self,
@@ -136,10 +178,7 @@ impl Touch {
 
     /// Energy stored in contact and in elastic bonds \[J\].
     pub fn energy(&self, model: &Model, law: &ContactLaw, nodes: &[Vector3<f64>]) -> f64 {
-        let contact = self.contact(model, law);
-        let normal: f64 = (0..contact.count())
-            .map(|s| contact.value(s, &pick(nodes, &contact.nodes(s))))
-            .sum();
+        let normal = total(&self.contact(model, law), nodes);
         let elastic = |bond: &Bond| {
             let (offset, _) = bond.settle(&weighted(&bond.weights, &pick(nodes, &bond.vertices)));
             0.5 * bond.stiffness * offset.norm_squared()

@@ -3,6 +3,7 @@
 mod architecture;
 mod charts;
 mod cli;
+mod commands;
 mod consistency;
 mod damage;
 mod encoding;
@@ -14,6 +15,7 @@ mod lab;
 mod messages;
 mod needs;
 mod order;
+mod pace;
 mod pictures;
 mod python;
 mod recording;

@@ -19,12 +19,43 @@ fn a_scene_needs_what_its_values_say() {
         [Stretch, Bend, Support, Contact, Friction]
     );
     assert_eq!(
-        terms(GOOD, &["obstacle.table.friction=0"]),
+        terms(GOOD, &["obstacle.table.friction=0", "accept=[]"]),
         [Stretch, Bend, Gravity, Damping, Support, Contact]
     );
     assert_eq!(
         terms(library::text("free-fall").unwrap(), &[]),
         [Stretch, Bend, Gravity, Damping]
+    );
+}
+
+/// What a command may bring has to be paid for from the start.
+#[test]
+fn a_scene_needs_what_it_accepts() {
+    let reason = |text: &str, set: &[&str], wanted: Term| {
+        let needs = needs(&good(text, set));
+        let found = needs.into_iter().find(|(term, _)| *term == wanted);
+        found.map(|(_, reason)| reason)
+    };
+    let free = library::text("free-fall").unwrap();
+    assert_eq!(reason(free, &[], Term::Contact), None);
+    let obstacles = ["accept=[\"obstacles\"]"];
+    for (term, wanted) in [
+        (
+            Term::Contact,
+            "accept has \"obstacles\": commands may add obstacles",
+        ),
+        (
+            Term::Friction,
+            "accept has \"obstacles\": commands may add obstacles with friction",
+        ),
+    ] {
+        assert_eq!(reason(free, &obstacles, term).as_deref(), Some(wanted));
+    }
+    let smooth = reason(GOOD, &["obstacle.table.friction=0"], Term::Friction);
+    assert!(
+        smooth
+            .unwrap()
+            .starts_with("a scene with obstacles accepts more")
     );
 }
 

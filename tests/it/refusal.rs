@@ -178,6 +178,32 @@ fn a_word_that_is_no_choice_lists_the_choices() {
 }
 
 #[test]
+fn a_scene_accepts_known_kinds_of_commands_once() {
+    let accept = |value: &str, parts: &[&str]| {
+        let line = format!("damping = 0.1\naccept = {value}");
+        refuses("damping = 0.1", &line, parts);
+    };
+    let known = "some of obstacles, air, each at most once";
+    accept(
+        "[\"obstacle\"]",
+        &[
+            "line 5: accept = \"obstacle\"",
+            known,
+            "did you mean `obstacles`?",
+        ],
+    );
+    accept(
+        "[\"air\", \"air\"]",
+        &["line 5: accept = [\"air\", \"air\"]", known],
+    );
+    accept(
+        "\"air\"",
+        &["line 5: accept = \"air\"", known, "not a string"],
+    );
+    accept("[1]", &["line 5: accept = 1", known]);
+}
+
+#[test]
 fn text_that_is_not_toml_names_the_line() {
     refuses("damping = 0.1", "damping = ", &["line 4: not TOML"]);
     refuses("damping = 0.1", "damping 0.1", &["line 4: not TOML"]);

@@ -139,6 +139,7 @@ description = "Every key"
 duration = 0.5
 gravity = [0.1, 0.2, -9.0]
 damping = 0.2
+accept = ["air", "obstacles"]
 [sheet]
 outline = { kind = "annulus", outer = 0.3, inner = 0.1 }
 triangles = 900

@@ -4,16 +4,15 @@
 //! (rho/dt² + mu/2dt) x_(n+1) = f_n + 2 rho/dt² x_n - (rho/dt² - mu/2dt) x_(n-1)
 //! ```
 //!
-//! in its half-step velocity form, which gives the same positions. The limit is 2/omega_max (Courant, Friedrichs,
-//! Lewy) by power iteration on the actual mesh. Slopes get a rotary inertia J just large enough that they do not
+//! in its half-step velocity form, which gives the same positions. Slopes get a rotary inertia J just large enough that they do not
 //! lower that limit, and never above a thousandth of m h², so they follow the positions.
 
 use nalgebra::Vector3;
 
-use crate::contact::Nearby;
+use super::stable::{largest_frequency, rotary_inertia, slope_stiffness};
+use crate::contact::{Nearby, Obstacle};
 use crate::math::sparse::NO_SLOT;
 use crate::physics::Potential;
-use crate::sim::assembly::pick;
 use crate::sim::kernel::{Kernel, Lanes, add, dot, lanes, scale, vector};
 use crate::sim::model::Model;
 use crate::sim::state::State;
@@ -21,8 +20,6 @@ use crate::sim::touch::{Before, Touch};
 
 /// Substep over the stable limit when the user leaves it open.
 pub const SAFETY: f64 = 0.95;
-/// Power iterations; the limit is then good to about 1 %.
-const POWER_ITERATIONS: usize = 200;
 /// Slope inertia over the least that keeps the slopes' own frequency at that of the membrane.
 const INERTIA_MARGIN: f64 = 4.0;
 /// Largest slope inertia, over m h²: what it adds to a wave of length w is of relative size (h/w)² of this.
@@ -45,17 +42,6 @@ pub struct Explicit {
     /// Relative motion that `nearby` still allows \[m\].
     allowance: f64,
     touch: Touch,
-}
-
-/// What flows through the ledger in a run of substeps \[J\].
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Flow {
-    /// Taken out by damping.
-    pub damping: f64,
-    /// Taken out by friction.
-    pub friction: f64,
-    /// Put in by moving obstacles.
-    pub obstacles: f64,
 }
 
 impl Explicit {
@@ -104,16 +90,11 @@ impl Explicit {
         self.limit
     }
 
-    /// Takes `count` substeps of `dt` and returns the contacts at the end and what flowed.
-    pub fn advance(
-        &mut self,
-        model: &Model,
-        state: &mut State,
-        dt: f64,
-        count: u64,
-    ) -> (Touch, Flow) {
+    /// Takes `count` substeps of `dt` and returns the contacts at the end.
+    pub fn advance(&mut self, model: &Model, state: &mut State, dt: f64, count: u64) -> Touch {
         let vertices = model.masses.len();
-        let mut flow = Flow::default();
+        // What was near before does not count: a step depends on the state alone, also after a command.
+        self.allowance = f64::NEG_INFINITY;
         let mut nodes: Vec<Lanes> = state
             .positions
             .iter()
@@ -142,18 +123,10 @@ impl Explicit {
             forces.copy_from_slice(&self.weight);
             self.kernel.add_forces(&nodes, &mut forces);
             if model.contact.is_some() {
-                self.contact(
-                    model,
-                    state,
-                    &before,
-                    &nodes,
-                    (fastest, dt),
-                    &mut forces,
-                    &mut flow,
-                );
+                self.contact(model, state, &before, &nodes, (fastest, dt), &mut forces);
             }
             let last = substep + 1 == count;
-            flow.damping += self.kick(model, &mut rates, &forces, dt, last);
+            state.ledger.damping += self.kick(model, &mut rates, &forces, dt, last);
         }
         state.history.accelerations = (0..nodes.len())
             .map(|n| vector(&self.acceleration(n, &rates, &forces)))
@@ -168,7 +141,7 @@ impl Explicit {
             }
         }
         state.history.dt = dt;
-        (self.touch.clone(), flow)
+        self.touch.clone()
     }
 
     fn acceleration(&self, node: usize, rates: &[Lanes], forces: &[Lanes]) -> Lanes {
@@ -220,13 +193,13 @@ impl Explicit {
         nodes: &[Lanes],
         (fastest, dt): (f64, f64),
         forces: &mut [Lanes],
-        flow: &mut Flow,
     ) {
         let Some(law) = &model.contact else { return };
         let positions: Vec<Vector3<f64>> = nodes[..model.masses.len()].iter().map(vector).collect();
         let start = state.obstacles.clone();
         state.obstacles.iter_mut().for_each(|o| o.advance(dt));
-        self.allowance -= (fastest + quickest(&start)) * dt;
+        let quickest = quickest(&start, &positions);
+        self.allowance -= (fastest + quickest) * dt;
         if self.allowance < 0.0 {
             let find = |body| Nearby::find(&model.mesh, &positions, body, law.offset + MARGIN);
             self.nearby = state.obstacles.iter().map(find).collect();
@@ -243,11 +216,11 @@ impl Explicit {
         for (v, push) in self.touch.pushes(model, law, &positions) {
             forces[v as usize] = add(forces[v as usize], lanes(&push));
         }
-        if quickest(&start) > 0.0 {
-            flow.obstacles += self.touch.work_of_obstacles(model, &start, &positions);
+        if quickest > 0.0 {
+            state.ledger.supports += self.touch.work_of_obstacles(model, &start, &positions);
         }
         let (bonds, slipped) = self.touch.settle(&positions);
-        flow.friction += slipped;
+        state.ledger.friction += slipped;
         state.bonds = bonds;
     }
 }
@@ -267,98 +240,16 @@ fn drift(nodes: &mut [Lanes], rates: &[Lanes], dt: f64, vertices: usize) -> f64 
     fastest.sqrt()
 }
 
-/// Bound on the speed of any point of the obstacles within a metre of their origin \[m/s\].
-fn quickest(obstacles: &[crate::contact::Obstacle]) -> f64 {
-    let speed = |o: &crate::contact::Obstacle| o.velocity.linear.norm() + o.velocity.angular.norm();
+/// Bound on the speed of the obstacles wherever they can meet the sheet \[m/s\].
+fn quickest(obstacles: &[Obstacle], positions: &[Vector3<f64>]) -> f64 {
+    let speed = |body: &Obstacle| {
+        let (linear, turn) = (body.velocity.linear.norm(), body.velocity.angular.norm());
+        if turn == 0.0 {
+            return linear;
+        }
+        let origin = body.pose.translation.vector;
+        let away = positions.iter().map(|p| (p - origin).norm_squared());
+        linear + turn * away.fold(0.0, f64::max).sqrt()
+    };
     obstacles.iter().map(speed).fold(0.0, f64::max)
-}
-
-/// What a slope's inertia is measured by: the mass around an edge times the square of its length \[kg·m²\].
-fn rotary_inertia(model: &Model, edge: usize) -> f64 {
-    let mass: f64 = model.mesh.edges[edge]
-        .iter()
-        .map(|&v| model.masses[v as usize])
-        .sum();
-    0.5 * mass * model.mesh.edge_length(edge).powi(2)
-}
-
-/// Bound on the stiffness of each slope in the bending matrix \[N·m\]: the absolute row sum.
-fn slope_stiffness(model: &Model) -> Vec<f64> {
-    let mut sums = vec![0.0; model.mesh.edges.len()];
-    for (f, edges) in model.mesh.face_edges.iter().enumerate() {
-        let matrix = model.bend.matrix(f);
-        for (k, &e) in edges.iter().enumerate() {
-            sums[e as usize] += (3..6).map(|j| matrix[(3 + k, j)].abs()).sum::<f64>();
-        }
-    }
-    sums
-}
-
-/// omega_max \[rad/s\] of M^-1 K at `nodes`, for as many nodes as have an inertia, with contact at every vertex if
-/// the model has any.
-fn largest_frequency(model: &Model, nodes: &[Vector3<f64>], inertia: &[f64]) -> f64 {
-    let vertices = model.masses.len();
-    let contact = model.contact.map_or(0.0, |law| law.stiffness + law.grip);
-    let mut mode = vec![Vector3::zeros(); nodes.len()];
-    for (n, x) in mode[..inertia.len()].iter_mut().enumerate() {
-        // Any vector that no mode is orthogonal to will do; this one has all wavelengths.
-        let phase = (n as f64 * 0.754_877_666) % 1.0;
-        *x = free(
-            model,
-            n,
-            Vector3::new(phase - 0.5, 0.5 - phase * phase, phase * 0.7 - 0.3),
-        );
-    }
-    let mut omega_squared = 0.0;
-    for _ in 0..POWER_ITERATIONS {
-        // In coordinates scaled by the root of the inertia the matrix is symmetric.
-        let norm = mode
-            .iter()
-            .zip(inertia)
-            .map(|(x, m)| m * x.norm_squared())
-            .sum::<f64>()
-            .sqrt();
-        mode.iter_mut().for_each(|x| *x /= norm);
-        let force = stiffness_times(model, nodes, &mode);
-        for (n, m) in inertia.iter().enumerate() {
-            let touch = if n < vertices {
-                mode[n] * contact
-            } else {
-                Vector3::zeros()
-            };
-            mode[n] = free(model, n, (force[n] + touch) / *m);
-        }
-        omega_squared = mode
-            .iter()
-            .zip(inertia)
-            .map(|(x, m)| m * x.norm_squared())
-            .sum::<f64>()
-            .sqrt();
-    }
-    omega_squared.sqrt()
-}
-
-/// A vector on a node with its prescribed components removed.
-fn free(model: &Model, node: usize, x: Vector3<f64>) -> Vector3<f64> {
-    let index = model.dofs.index[node];
-    Vector3::from_fn(|axis, _| if index[axis] == NO_SLOT { 0.0 } else { x[axis] })
-}
-
-fn stiffness_times(model: &Model, at: &[Vector3<f64>], mode: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-    let mut force = vec![Vector3::zeros(); mode.len()];
-    for f in 0..model.mesh.faces.len() {
-        let stencil = model.bend.nodes(f);
-        let d = pick(mode, &stencil);
-        let mut sum = model.bend.gradient(f, &d);
-        let hessian = model.stretch.hessian(f, &pick(at, &model.stretch.nodes(f)));
-        for i in 0..3 {
-            for j in 0..3 {
-                sum[i] += hessian[i][j] * d[j];
-            }
-        }
-        for (n, s) in stencil.iter().zip(sum) {
-            force[*n as usize] += s;
-        }
-    }
-    force
 }

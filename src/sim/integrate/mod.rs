@@ -10,6 +10,7 @@ mod bdf2;
 pub mod explicit;
 mod generalised_alpha;
 mod gradient_flow;
+mod stable;
 #[cfg(test)]
 mod test;
 

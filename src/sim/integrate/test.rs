@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::Rule;
-use crate::sim::state::{History, State};
+use crate::sim::state::{History, Ledger, State};
 
 fn at(x: f64, v: f64, a: f64, before: [f64; 2], dt: f64) -> State {
     let along = |c: f64| vec![Vector3::new(c, 0.0, 0.0)];
@@ -21,6 +21,7 @@ fn at(x: f64, v: f64, a: f64, before: [f64; 2], dt: f64) -> State {
             accelerations: along(a),
         },
         bonds: vec![],
+        ledger: Ledger::default(),
     }
 }
 

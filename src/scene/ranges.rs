@@ -1,0 +1,30 @@
+//! What values and names may be, wherever they come from: a scene or a command.
+
+pub use super::quantity::Range;
+use super::quantity::range;
+
+/// Sizes of sheets and obstacles.
+pub const SIZE: Range = range(1e-6, 1e3, "m");
+/// Coordinates in the world.
+pub const PLACE: Range = range(-1e3, 1e3, "m");
+/// Components of an obstacle's linear velocity.
+pub const SPEED: Range = range(-100.0, 100.0, "m/s");
+/// Components of an obstacle's angular velocity.
+pub const TURN_RATE: Range = range(-1e3, 1e3, "rad/s");
+/// Coulomb friction coefficients.
+pub const FRICTION: Range = range(0.0, 10.0, "");
+
+/// What [`is_name`] asks for, as it stands after "must be" in a message.
+pub const NAME: &str =
+    "1 to 64 letters, digits or single `_`, a letter first, no `_` at the end, and not `world`";
+
+/// Whether a name can stand in ROS topics and frames, and is not the root frame.
+pub fn is_name(name: &str) -> bool {
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    name.starts_with(|c: char| c.is_ascii_alphabetic())
+        && name.chars().all(plain)
+        && !name.contains("__")
+        && !name.ends_with('_')
+        && name.len() <= 64
+        && name != "world"
+}

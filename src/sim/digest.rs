@@ -1,0 +1,79 @@
+//! A 64-bit digest of the state: equal states have equal digests.
+
+use nalgebra::Vector3;
+use xxhash_rust::xxh3::Xxh3;
+
+use super::state::State;
+use crate::contact::{Obstacle, Shape};
+
+impl State {
+    /// A digest of all that the next step depends on: every number, name and shape, and how many there are.
+    pub fn digest(&self) -> u64 {
+        let mut digest = Digest(Xxh3::new());
+        let (past, count) = (&self.history, |n: usize| n as u64);
+        for list in [
+            &self.positions,
+            &self.velocities,
+            &self.slopes,
+            &self.slope_rates,
+            &past.positions,
+            &past.velocities,
+            &past.accelerations,
+        ] {
+            digest.whole(count(list.len()));
+            list.iter().for_each(|v| digest.vector(v));
+        }
+        digest.whole(count(self.obstacles.len()));
+        self.obstacles.iter().for_each(|o| digest.obstacle(o));
+        digest.whole(count(self.bonds.len()));
+        for bond in &self.bonds {
+            digest.whole(bond.key);
+            digest.vector(&bond.offset);
+        }
+        digest.whole(self.step);
+        digest.number(past.dt);
+        digest.0.digest()
+    }
+}
+
+struct Digest(Xxh3);
+
+impl Digest {
+    fn whole(&mut self, value: u64) {
+        self.0.update(&value.to_le_bytes());
+    }
+
+    fn number(&mut self, value: f64) {
+        self.0.update(&value.to_le_bytes());
+    }
+
+    fn vector(&mut self, v: &Vector3<f64>) {
+        v.iter().for_each(|c| self.number(*c));
+    }
+
+    fn obstacle(&mut self, obstacle: &Obstacle) {
+        self.whole(obstacle.name.len() as u64);
+        self.0.update(obstacle.name.as_bytes());
+        let (kind, sizes) = match obstacle.shape {
+            Shape::Plane => (0, [0.0; 3]),
+            Shape::Box { size } => (1, size),
+            Shape::Sphere { radius } => (2, [radius, 0.0, 0.0]),
+            Shape::Disc { radius } => (3, [radius, 0.0, 0.0]),
+            Shape::Cylinder { radius, length } => (4, [radius, length, 0.0]),
+            Shape::Capsule { radius, length } => (5, [radius, length, 0.0]),
+        };
+        self.whole(kind);
+        sizes.iter().for_each(|size| self.number(*size));
+        self.vector(&obstacle.pose.translation.vector);
+        // All four components: the real one is not known from the others once rounding has been at them.
+        obstacle
+            .pose
+            .rotation
+            .coords
+            .iter()
+            .for_each(|c| self.number(*c));
+        self.vector(&obstacle.velocity.linear);
+        self.vector(&obstacle.velocity.angular);
+        self.number(obstacle.friction);
+    }
+}

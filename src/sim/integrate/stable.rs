@@ -1,0 +1,92 @@
+//! The stable limit of the explicit scheme: 2/omega_max (Courant, Friedrichs, Lewy) by power iteration on the
+//! actual mesh.
+
+use nalgebra::Vector3;
+
+use crate::physics::Potential;
+use crate::sim::assembly::pick;
+use crate::sim::model::Model;
+
+/// Power iterations; the limit is then good to about 1 %.
+const POWER_ITERATIONS: usize = 200;
+
+/// What a slope's inertia is measured by: the mass around an edge times the square of its length \[kg·m²\].
+pub fn rotary_inertia(model: &Model, edge: usize) -> f64 {
+    let mass: f64 = model.mesh.edges[edge]
+        .iter()
+        .map(|&v| model.masses[v as usize])
+        .sum();
+    0.5 * mass * model.mesh.edge_length(edge).powi(2)
+}
+
+/// Bound on the stiffness of each slope in the bending matrix \[N·m\]: the absolute row sum.
+pub fn slope_stiffness(model: &Model) -> Vec<f64> {
+    let mut sums = vec![0.0; model.mesh.edges.len()];
+    for (f, edges) in model.mesh.face_edges.iter().enumerate() {
+        let matrix = model.bend.matrix(f);
+        for (k, &e) in edges.iter().enumerate() {
+            sums[e as usize] += (3..6).map(|j| matrix[(3 + k, j)].abs()).sum::<f64>();
+        }
+    }
+    sums
+}
+
+/// omega_max \[rad/s\] of M^-1 K at `nodes`, for as many nodes as have an inertia, with contact at every vertex if
+/// the model has any.
+pub fn largest_frequency(model: &Model, nodes: &[Vector3<f64>], inertia: &[f64]) -> f64 {
+    let vertices = model.masses.len();
+    let contact = model.contact.map_or(0.0, |law| law.stiffness + law.grip);
+    let mut mode = vec![Vector3::zeros(); nodes.len()];
+    for (n, x) in mode[..inertia.len()].iter_mut().enumerate() {
+        // Any vector that no mode is orthogonal to will do; this one has all wavelengths.
+        let phase = (n as f64 * 0.754_877_666) % 1.0;
+        let wave = Vector3::new(phase - 0.5, 0.5 - phase * phase, phase * 0.7 - 0.3);
+        *x = model.dofs.free(n, wave);
+    }
+    let mut omega_squared = 0.0;
+    for _ in 0..POWER_ITERATIONS {
+        // In coordinates scaled by the root of the inertia the matrix is symmetric.
+        let norm = mode
+            .iter()
+            .zip(inertia)
+            .map(|(x, m)| m * x.norm_squared())
+            .sum::<f64>()
+            .sqrt();
+        mode.iter_mut().for_each(|x| *x /= norm);
+        let force = stiffness_times(model, nodes, &mode);
+        for (n, m) in inertia.iter().enumerate() {
+            let touch = if n < vertices {
+                mode[n] * contact
+            } else {
+                Vector3::zeros()
+            };
+            mode[n] = model.dofs.free(n, (force[n] + touch) / *m);
+        }
+        omega_squared = mode
+            .iter()
+            .zip(inertia)
+            .map(|(x, m)| m * x.norm_squared())
+            .sum::<f64>()
+            .sqrt();
+    }
+    omega_squared.sqrt()
+}
+
+fn stiffness_times(model: &Model, at: &[Vector3<f64>], mode: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+    let mut force = vec![Vector3::zeros(); mode.len()];
+    for f in 0..model.mesh.faces.len() {
+        let stencil = model.bend.nodes(f);
+        let d = pick(mode, &stencil);
+        let mut sum = model.bend.gradient(f, &d);
+        let hessian = model.stretch.hessian(f, &pick(at, &model.stretch.nodes(f)));
+        for i in 0..3 {
+            for j in 0..3 {
+                sum[i] += hessian[i][j] * d[j];
+            }
+        }
+        for (n, s) in stencil.iter().zip(sum) {
+            force[*n as usize] += s;
+        }
+    }
+    force
+}

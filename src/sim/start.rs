@@ -1,0 +1,44 @@
+//! The state at the start of a run.
+
+use nalgebra::Vector3;
+
+use super::kernel::{Kernel, Lanes, add, lanes, vector};
+use super::model::Model;
+use super::slopes::SlopeSolver;
+use super::state::{History, Ledger, State};
+use super::touch::Touch;
+use crate::physics::Potential;
+
+/// Start state at rest, slopes relaxed, with its contacts and accelerations.
+pub fn start(model: &Model) -> (State, Touch) {
+    let mut nodes = model.start();
+    SlopeSolver::new(model).relax(model, &mut nodes);
+    let vertices = model.masses.len();
+    let mut state = State {
+        step: 0,
+        positions: nodes[..vertices].to_vec(),
+        velocities: vec![Vector3::zeros(); vertices],
+        slopes: nodes[vertices..].to_vec(),
+        slope_rates: vec![Vector3::zeros(); nodes.len() - vertices],
+        obstacles: model.obstacles(),
+        history: History::default(),
+        bonds: vec![],
+        ledger: Ledger::default(),
+    };
+    let touch = Touch::of(model, &state, None);
+    let mut forces = vec![[0.0; 4]; nodes.len()];
+    let in_lanes: Vec<Lanes> = nodes.iter().map(lanes).collect();
+    Kernel::new(model).add_forces(&in_lanes, &mut forces);
+    if let Some(law) = &model.contact {
+        for (v, push) in touch.pushes(model, law, &state.positions) {
+            forces[v as usize] = add(forces[v as usize], lanes(&push));
+        }
+    }
+    state.history.accelerations = (0..vertices)
+        .map(|v| {
+            let pull = vector(&forces[v]) - model.gravity.gradient(v, &[nodes[v]])[0];
+            model.dofs.free(v, pull) / model.masses[v]
+        })
+        .collect();
+    (state, touch)
+}

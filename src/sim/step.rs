@@ -1,0 +1,162 @@
+//! One step of each kind of scheme, from the state to the next.
+
+use super::implicit::{Implicit, Solved};
+use super::integrate::Rule;
+use super::integrate::explicit::Explicit;
+use super::model::Model;
+use super::report::StepReport;
+use super::state::State;
+use super::touch::Touch;
+use crate::math::newton::Limits;
+
+/// Distance from the origin beyond which a vertex counts as lost \[m\].
+const FAR: f64 = 1e6;
+/// Smallest part of a step that is tried: 1/64.
+const TICKS: u32 = 64;
+
+/// A step that could not be taken.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "step {step} from {time:.4} s failed even at {dt:.1e} s: residual {residual:.1e} of the weight, largest at \
+     vertex {vertex} near ({:.4}, {:.4}, {:.4}) m; {advice}", at[0], at[1], at[2]
+)]
+pub struct Diverged {
+    /// The step that failed.
+    pub step: u64,
+    /// Its start \[s\].
+    pub time: f64,
+    /// The smallest step tried \[s\].
+    pub dt: f64,
+    /// Residual over the weight \[-\].
+    pub residual: f64,
+    /// Vertex with the largest residual force.
+    pub vertex: usize,
+    /// Where that vertex was at the start of the step \[m\].
+    pub at: [f64; 3],
+    /// What to try.
+    pub advice: String,
+}
+
+/// One outer step in as many parts as it needs: a part that fails is halved, one that succeeds may double.
+pub fn implicit_step(
+    model: &Model,
+    rule: Rule,
+    solver: &mut Implicit,
+    state: &mut State,
+    report: &mut StepReport,
+) -> Result<Touch, Diverged> {
+    let method = &model.scene.method;
+    let limits = Limits {
+        tolerance: method.tolerance,
+        iterations: method.max_iterations,
+    };
+    solver.forget();
+    let (mut done, mut size) = (0, TICKS);
+    let mut touch = Touch::default();
+    while done < TICKS {
+        let dt = method.dt * f64::from(size) / f64::from(TICKS);
+        let solved = solver.solve(model, state, rule, dt, &limits);
+        count(&solved, report);
+        if !solved.outcome.converged {
+            if size == 1 {
+                return Err(diverged(model, state, &solved, dt));
+            }
+            report.work.rejected += 1;
+            size /= 2;
+            continue;
+        }
+        advance(model, state, rule, &solved, dt);
+        touch = solved.touch;
+        done += size;
+        if size < TICKS && done % (2 * size) == 0 {
+            size *= 2;
+        }
+    }
+    Ok(touch)
+}
+
+fn count(solved: &Solved, report: &mut StepReport) {
+    let outcome = &solved.outcome;
+    report.work.substeps += u64::from(outcome.converged);
+    report.work.iterations += outcome.iterations;
+    report.work.factorisations += outcome.factorisations;
+    report.work.solves += outcome.iterations;
+    report.work.halvings += outcome.halvings;
+    if outcome.converged {
+        report.residual = report.residual.max(outcome.norm);
+    }
+}
+
+/// Takes the solved step and enters in the ledger what it exchanged.
+fn advance(model: &Model, state: &mut State, rule: Rule, solved: &Solved, dt: f64) {
+    let power = model.damping.power(&state.velocities);
+    let work = solved
+        .touch
+        .work_of_obstacles(model, &state.obstacles, &solved.nodes)
+        / solved.map.fraction;
+    let slipped = take(state, rule, solved, dt);
+    let power = power + model.damping.power(&state.velocities);
+    state.ledger.damping += 0.5 * dt * power;
+    state.ledger.friction += slipped;
+    state.ledger.supports += work;
+}
+
+/// Takes the state to the end of a solved step; returns the energy that slip took out \[J\].
+pub fn take(state: &mut State, rule: Rule, solved: &Solved, dt: f64) -> f64 {
+    let (bonds, slipped) = solved.touch.settle(&solved.nodes);
+    rule.advance(state, &solved.map, &solved.nodes, dt);
+    state.bonds = bonds;
+    state.obstacles.iter_mut().for_each(|o| o.advance(dt));
+    slipped
+}
+
+/// The step that failed, with where it was worst.
+pub fn diverged(model: &Model, state: &State, solved: &Solved, dt: f64) -> Diverged {
+    let method = &model.scene.method;
+    Diverged {
+        step: state.step + 1,
+        time: state.step as f64 * method.dt,
+        dt,
+        residual: solved.outcome.norm,
+        vertex: solved.worst,
+        at: state.positions[solved.worst].into(),
+        advice: format!(
+            "try a smaller method.dt (now {:.1e} s), a finer mesh there, or more method.max_iterations (now {})",
+            method.dt, method.max_iterations
+        ),
+    }
+}
+
+/// One outer step in equal substeps.
+pub fn explicit_step(
+    model: &Model,
+    explicit: &mut Explicit,
+    substep: f64,
+    state: &mut State,
+    report: &mut StepReport,
+) -> Result<Touch, Diverged> {
+    let parts = (report.dt / substep).ceil().max(1.0) as u64;
+    let dt = report.dt / parts as f64;
+    let before = state.step;
+    let touch = explicit.advance(model, state, dt, parts);
+    report.work.substeps = parts;
+    let lost = state
+        .positions
+        .iter()
+        .position(|x| !x.iter().all(|c| c.is_finite() && c.abs() < FAR));
+    match lost {
+        None => Ok(touch),
+        Some(vertex) => Err(Diverged {
+            step: before + 1,
+            time: before as f64 * report.dt,
+            dt,
+            residual: f64::INFINITY,
+            vertex,
+            at: model.start()[vertex].into(),
+            advice: format!(
+                "leave method.substep out, or try one below {:.1e} s",
+                0.5 * dt
+            ),
+        }),
+    }
+}
