@@ -17,6 +17,7 @@ mod lab;
 mod messages;
 mod needs;
 mod order;
+mod orders;
 mod pace;
 mod pictures;
 mod python;
@@ -27,6 +28,7 @@ mod scene;
 mod schema_reader;
 #[cfg(feature = "iceoryx2")]
 mod shared_memory;
+mod session;
 mod tidy;
 mod type_hashes;
 mod verify;

@@ -142,6 +142,7 @@ impl Carrier for Gate {
 fn packet(channel: &'static Channel, stamp: u64) -> Packet {
     Packet {
         channel,
+        obstacle: None,
         stamp,
         bytes: vec![],
     }
