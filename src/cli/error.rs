@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use crate::node::NodeError;
+#[cfg(feature = "iceoryx2")]
+use crate::node::shared_memory::SharedMemoryError;
 use crate::scene::SceneError;
 use crate::sim::Diverged;
 
@@ -48,6 +50,10 @@ impl CliError {
                 | NodeError::Unreadable { .. }
                 | NodeError::NoSuchFrame { .. },
             ) => ExitCode::from(2),
+            #[cfg(feature = "iceoryx2")]
+            CliError::Node(NodeError::SharedMemory(
+                SharedMemoryError::Name { .. } | SharedMemoryError::NameTaken { .. },
+            )) => ExitCode::from(2),
             CliError::Diverged { .. }
             | CliError::Node(_)
             | CliError::Refused(_)

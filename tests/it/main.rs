@@ -26,9 +26,11 @@ mod refusal;
 mod samples;
 mod scene;
 mod schema_reader;
+mod session;
 #[cfg(feature = "iceoryx2")]
 mod shared_memory;
-mod session;
+#[cfg(feature = "iceoryx2")]
+mod shared_processes;
 mod tidy;
 mod type_hashes;
 mod verify;
