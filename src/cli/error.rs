@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use crate::node::NodeError;
+#[cfg(feature = "iceoryx2")]
+use crate::node::shared_memory::SharedMemoryError;
 use crate::scene::SceneError;
 use crate::sim::Diverged;
 
@@ -28,6 +30,9 @@ pub enum CliError {
     /// A run or a file that failed.
     #[error(transparent)]
     Node(#[from] NodeError),
+    /// A running simulation said no.
+    #[error("{0}")]
+    Refused(String),
     /// Standard output does not take the result.
     #[error("cannot write to standard output: {0}")]
     Output(io::Error),
@@ -45,9 +50,14 @@ impl CliError {
                 | NodeError::Unreadable { .. }
                 | NodeError::NoSuchFrame { .. },
             ) => ExitCode::from(2),
-            CliError::Diverged { .. } | CliError::Node(_) | CliError::Output(_) => {
-                ExitCode::from(1)
-            }
+            #[cfg(feature = "iceoryx2")]
+            CliError::Node(NodeError::SharedMemory(
+                SharedMemoryError::Name { .. } | SharedMemoryError::NameTaken { .. },
+            )) => ExitCode::from(2),
+            CliError::Diverged { .. }
+            | CliError::Node(_)
+            | CliError::Refused(_)
+            | CliError::Output(_) => ExitCode::from(1),
         }
     }
 }

@@ -6,22 +6,35 @@
 mod bag;
 mod carrier;
 mod clock;
+mod drive;
 mod error;
+mod inbox;
+mod live;
 mod mcap_file;
+mod mode;
+mod orders;
+mod pace;
 mod recorder;
 mod recording;
 mod records;
 mod run;
+mod schedule;
 mod seal;
+#[cfg(feature = "iceoryx2")]
+pub mod shared_memory;
 mod store;
 mod summary;
 pub mod viewers;
 
 pub use bag::Destination;
 pub use carrier::{Carrier, Memory};
+pub use clock::Lateness;
 pub use error::NodeError;
+pub use inbox::{Full, Inbox, Mailbox, Order};
+pub use live::{Gauge, Live, LiveTally};
 pub use mcap_file::McapFile;
+pub use pace::{BadPace, Pace};
 pub use recording::{Frame, Recording};
 pub use run::{Progress, RunOptions, run};
 pub use seal::seal;
-pub use summary::{Peak, Summary};
+pub use summary::{Orders, Peak, Summary};

@@ -19,6 +19,8 @@ mod lab;
 mod messages;
 mod needs;
 mod order;
+mod orders;
+mod pace;
 mod pictures;
 mod python;
 mod recording;
@@ -26,6 +28,11 @@ mod refusal;
 mod samples;
 mod scene;
 mod schema_reader;
+mod session;
+#[cfg(feature = "iceoryx2")]
+mod shared_memory;
+#[cfg(feature = "iceoryx2")]
+mod shared_processes;
 mod tidy;
 mod type_hashes;
 mod verify;
