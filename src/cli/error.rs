@@ -4,6 +4,8 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+#[cfg(feature = "iceoryx2")]
+use crate::node::shared_memory::SharedMemoryError;
 use crate::node::{Difference, NodeError};
 use crate::scene::SceneError;
 use crate::sim::Diverged;
@@ -44,6 +46,9 @@ pub enum CliError {
         /// Where, and in what.
         difference: Difference,
     },
+    /// A running simulation said no.
+    #[error("{0}")]
+    Refused(String),
     /// Standard output does not take the result.
     #[error("cannot write to standard output: {0}")]
     Output(io::Error),
@@ -61,10 +66,15 @@ impl CliError {
                 | NodeError::Unreadable { .. }
                 | NodeError::NoSuchFrame { .. },
             ) => ExitCode::from(2),
+            #[cfg(feature = "iceoryx2")]
+            CliError::Node(NodeError::SharedMemory(
+                SharedMemoryError::Name { .. } | SharedMemoryError::NameTaken { .. },
+            )) => ExitCode::from(2),
             CliError::Diverged { .. }
             | CliError::Node(_)
             | CliError::Faulty { .. }
             | CliError::Differs { .. }
+            | CliError::Refused(_)
             | CliError::Output(_) => ExitCode::from(1),
         }
     }

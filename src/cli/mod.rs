@@ -13,11 +13,17 @@ mod recover;
 mod replay;
 mod run;
 mod scene;
+#[cfg(feature = "iceoryx2")]
+mod send;
 mod show;
 mod signals;
 mod source;
 mod summary;
+#[cfg(feature = "iceoryx2")]
+mod transport;
 mod verify;
+#[cfg(feature = "iceoryx2")]
+mod watch;
 
 use std::process::ExitCode;
 
@@ -52,6 +58,12 @@ enum Verb {
     Scene(scene::SceneArgs),
     /// Draw a recording as PNG; write the layouts of viewers.
     Show(show::ShowArgs),
+    /// Send a command to a running simulation.
+    #[cfg(feature = "iceoryx2")]
+    Send(send::SendArgs),
+    /// Print what a running simulation publishes.
+    #[cfg(feature = "iceoryx2")]
+    Watch(watch::WatchArgs),
     /// Run and draw a chart: error against CPU time.
     Chart(chart::ChartArgs),
 }
@@ -71,6 +83,10 @@ pub fn main() -> ExitCode {
         Verb::List(args) => args.run(),
         Verb::Scene(args) => args.run(),
         Verb::Show(args) => args.run(),
+        #[cfg(feature = "iceoryx2")]
+        Verb::Send(args) => args.run(),
+        #[cfg(feature = "iceoryx2")]
+        Verb::Watch(args) => args.run(),
         Verb::Chart(args) => args.run(),
     };
     match done {

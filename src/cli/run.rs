@@ -6,7 +6,11 @@ use clap::Args;
 
 use super::progress::Bar;
 use super::{CliError, output, signals, source, summary};
-use crate::node::{self, Carrier, Inbox, Mailbox, NodeError, Pace, RunOptions};
+#[cfg(feature = "iceoryx2")]
+use crate::node::shared_memory::{RunName, SharedMemory};
+use crate::node::{self, NodeError, Pace, RunOptions};
+#[cfg(feature = "iceoryx2")]
+use crate::node::{Carrier, Inbox};
 use crate::scene::{Override, Scene, Warning};
 
 /// Arguments of `toile run`.
@@ -47,6 +51,14 @@ pub(super) struct RunArgs {
     /// Start paused, until somebody says go.
     #[arg(long)]
     wait_for_start: bool,
+    /// Publish over shared memory, and take commands from there.
+    #[cfg(feature = "iceoryx2")]
+    #[arg(long)]
+    shm: bool,
+    /// Name under which the run is found in shared memory.
+    #[cfg(feature = "iceoryx2")]
+    #[arg(long, value_name = "NAME", default_value_t, requires = "shm")]
+    name: RunName,
     /// A JSON object instead of the summary.
     #[arg(long)]
     json: bool,
@@ -63,18 +75,22 @@ struct Job {
 impl RunArgs {
     pub(super) fn run(&self) -> Result<(), CliError> {
         let job = self.check()?;
-        let (mailbox, inbox) = Inbox::with_mailbox();
-        let live = self.connect(mailbox)?;
-        let options = RunOptions {
+        let mut options = RunOptions {
             output: Some(job.output.clone()),
             threads: job.threads,
             stop: signals::stop_flag()?,
-            inbox,
-            live,
             pace: self.pace,
             wait_for_start: self.wait_for_start,
             ..RunOptions::default()
         };
+        #[cfg(feature = "iceoryx2")]
+        self.share(&mut options)?;
+        let waits = options.wait_for_start || options.pace == Pace::Lockstep;
+        if waits && options.live.is_empty() {
+            return Err(CliError::Input(
+                "nobody could start this run; let others in with --shm".to_string(),
+            ));
+        }
         for warning in &job.warnings {
             eprintln!("warning: {warning}");
         }
@@ -94,16 +110,18 @@ impl RunArgs {
         }
     }
 
-    /// Opens the run to others: live carriers by name, which post what they are told into the mailbox.
-    fn connect(&self, mailbox: Mailbox) -> Result<Vec<(String, Box<dyn Carrier>)>, CliError> {
-        // Nobody holds the mailbox: a run that starts paused would end at once.
-        drop(mailbox);
-        if self.wait_for_start || self.pace == Pace::Lockstep {
-            return Err(CliError::Input(
-                "nobody could start this run; let others in with --shm or --ros2".to_string(),
-            ));
+    /// Shared memory, if asked for.
+    #[cfg(feature = "iceoryx2")]
+    fn share(&self, options: &mut RunOptions) -> Result<(), CliError> {
+        if self.shm {
+            let (mailbox, inbox) = Inbox::with_mailbox();
+            let carrier =
+                SharedMemory::open(self.name.clone(), mailbox).map_err(NodeError::from)?;
+            let carrier: Box<dyn Carrier> = Box::new(carrier);
+            options.inbox = inbox;
+            options.live.push(("shared memory".to_string(), carrier));
         }
-        Ok(vec![])
+        Ok(())
     }
 
     /// Scene, overrides and options into a job that can be run.

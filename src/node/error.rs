@@ -64,6 +64,10 @@ pub enum NodeError {
         /// Steps of the recording.
         last: u64,
     },
+    /// Shared memory does not do what was asked.
+    #[cfg(feature = "iceoryx2")]
+    #[error(transparent)]
+    SharedMemory(#[from] super::shared_memory::SharedMemoryError),
     /// The recorder thread ended without a word.
     #[error("the recorder thread panicked; the recording ends at its last complete chunk")]
     RecorderLost,

@@ -29,6 +29,8 @@ mod run;
 mod scan;
 mod schedule;
 mod seal;
+#[cfg(feature = "iceoryx2")]
+pub mod shared_memory;
 mod store;
 mod summary;
 mod verify;

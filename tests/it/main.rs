@@ -1,5 +1,6 @@
 //! The integration tests: one binary, a module per subject.
 
+mod air;
 mod architecture;
 mod byte_identity;
 mod charts;
@@ -30,6 +31,10 @@ mod samples;
 mod scene;
 mod schema_reader;
 mod session;
+#[cfg(feature = "iceoryx2")]
+mod shared_memory;
+#[cfg(feature = "iceoryx2")]
+mod shared_processes;
 mod tidy;
 mod type_hashes;
 mod verify;
