@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use crate::node::NodeError;
+#[cfg(feature = "ros2")]
+use crate::node::ros2::Ros2Error;
 use crate::scene::SceneError;
 use crate::sim::Diverged;
 
@@ -45,6 +47,12 @@ impl CliError {
                 | NodeError::Unreadable { .. }
                 | NodeError::NoSuchFrame { .. },
             ) => ExitCode::from(2),
+            #[cfg(feature = "ros2")]
+            CliError::Node(NodeError::Ros2(
+                Ros2Error::Variable { .. }
+                | Ros2Error::LanForbidden { .. }
+                | Ros2Error::Name { .. },
+            )) => ExitCode::from(2),
             CliError::Diverged { .. } | CliError::Node(_) | CliError::Output(_) => {
                 ExitCode::from(1)
             }

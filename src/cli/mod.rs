@@ -3,6 +3,8 @@
 //! One file a verb, each with clap arguments and a `run`. Exit codes: 0 done, 1 the run failed or differed,
 //! 2 bad usage or input. Results go to standard output, everything else to standard error; an error is one line.
 
+#[cfg(feature = "ros2")]
+mod bridge;
 mod chart;
 mod error;
 mod list;
@@ -39,6 +41,9 @@ enum Verb {
     Scene(scene::SceneArgs),
     /// Draw a recording as PNG; write the layouts of viewers.
     Show(show::ShowArgs),
+    /// Carry a run's channels and commands between shared memory and ROS 2; `run --ros2` starts one.
+    #[cfg(feature = "ros2")]
+    Bridge(bridge::BridgeArgs),
     /// Run and draw a chart: error against CPU time.
     Chart(chart::ChartArgs),
 }
@@ -54,6 +59,8 @@ pub fn main() -> ExitCode {
         Verb::List(args) => args.run(),
         Verb::Scene(args) => args.run(),
         Verb::Show(args) => args.run(),
+        #[cfg(feature = "ros2")]
+        Verb::Bridge(args) => args.run(),
         Verb::Chart(args) => args.run(),
     };
     match done {

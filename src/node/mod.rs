@@ -16,6 +16,8 @@ mod pace;
 mod recorder;
 mod recording;
 mod records;
+#[cfg(feature = "ros2")]
+pub mod ros2;
 mod run;
 mod schedule;
 mod seal;
