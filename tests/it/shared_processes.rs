@@ -22,7 +22,7 @@ use super::shared_memory::name;
 const LONGEST: &str = "120";
 
 /// A process of the binary, killed when it takes too long.
-fn toile(folder: &Path, args: &[&str]) -> Command {
+pub fn toile(folder: &Path, args: &[&str]) -> Command {
     let mut command = Command::new("timeout");
     command.args(["--kill-after=5", LONGEST, env!("CARGO_BIN_EXE_toile")]);
     command.args(args).current_dir(folder);

@@ -48,6 +48,17 @@ impl Counts {
         counter.fetch_add(1, Ordering::Relaxed);
     }
 
+    /// Published, dropped, received, refused, so far.
+    pub fn all(&self) -> [u64; 4] {
+        let counters = [
+            &self.published,
+            &self.dropped,
+            &self.received,
+            &self.refused,
+        ];
+        counters.map(|counter| counter.load(Ordering::Relaxed))
+    }
+
     /// Why a channel could not be published, the last time that happened.
     pub fn failure(&self) -> Option<String> {
         let failure = self.failure.lock();
