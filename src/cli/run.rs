@@ -1,13 +1,15 @@
 //! `toile run`: simulate a scene and record it.
 
 use std::path::PathBuf;
+#[cfg(feature = "iceoryx2")]
+use std::sync::Arc;
 
 use clap::Args;
 
 use super::progress::Bar;
 use super::{CliError, output, signals, source, summary};
 #[cfg(feature = "iceoryx2")]
-use crate::node::shared_memory::{RunName, SharedMemory};
+use crate::node::shared_memory::{Counts, RunName, SharedMemory};
 use crate::node::{self, NodeError, Pace, RunOptions};
 #[cfg(feature = "iceoryx2")]
 use crate::node::{Carrier, Inbox};
@@ -84,7 +86,7 @@ impl RunArgs {
             ..RunOptions::default()
         };
         #[cfg(feature = "iceoryx2")]
-        self.share(&mut options)?;
+        let shared = self.share(&mut options)?;
         let waits = options.wait_for_start || options.pace == Pace::Lockstep;
         if waits && options.live.is_empty() {
             return Err(CliError::Input(
@@ -104,24 +106,34 @@ impl RunArgs {
             },
             other => other.into(),
         })?;
+        if !self.json {
+            output::print(&summary::text(&job.scene, &summary))?;
+        }
+        #[allow(unused_mut)]
+        let mut json = summary::json(&job.scene, &job.warnings, &summary);
+        #[cfg(feature = "iceoryx2")]
+        if let Some(counts) = shared {
+            json["shared_memory"] = shared_memory(&counts);
+        }
         match self.json {
-            true => output::print_json(&summary::json(&job.scene, &job.warnings, &summary)),
-            false => output::print(&summary::text(&job.scene, &summary)),
+            true => output::print_json(&json),
+            false => Ok(()),
         }
     }
 
     /// Shared memory, if asked for.
     #[cfg(feature = "iceoryx2")]
-    fn share(&self, options: &mut RunOptions) -> Result<(), CliError> {
-        if self.shm {
-            let (mailbox, inbox) = Inbox::with_mailbox();
-            let carrier =
-                SharedMemory::open(self.name.clone(), mailbox).map_err(NodeError::from)?;
-            let carrier: Box<dyn Carrier> = Box::new(carrier);
-            options.inbox = inbox;
-            options.live.push(("shared memory".to_string(), carrier));
+    fn share(&self, options: &mut RunOptions) -> Result<Option<Arc<Counts>>, CliError> {
+        if !self.shm {
+            return Ok(None);
         }
-        Ok(())
+        let (mailbox, inbox) = Inbox::with_mailbox();
+        let carrier = SharedMemory::open(self.name.clone(), mailbox).map_err(NodeError::from)?;
+        let counts = carrier.counts();
+        let carrier: Box<dyn Carrier> = Box::new(carrier);
+        options.inbox = inbox;
+        options.live.push(("shared memory".to_string(), carrier));
+        Ok(Some(counts))
     }
 
     /// Scene, overrides and options into a job that can be run.
@@ -156,4 +168,23 @@ impl RunArgs {
         }
         Ok(overrides)
     }
+}
+
+/// What went through shared memory, for the JSON summary; what went wrong there as a warning.
+#[cfg(feature = "iceoryx2")]
+fn shared_memory(counts: &Counts) -> serde_json::Value {
+    let [published, dropped, received, refused] = counts.all();
+    if dropped > 0 {
+        let reason = counts.failure().unwrap_or_else(|| "no memory".to_string());
+        eprintln!("warning: {dropped} messages were not published over shared memory: {reason}");
+    }
+    if refused > 0 {
+        eprintln!("warning: {refused} of {received} requests over shared memory were refused");
+    }
+    serde_json::json!({
+        "published": published,
+        "dropped": dropped,
+        "received": received,
+        "refused": refused,
+    })
 }

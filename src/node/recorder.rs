@@ -1,5 +1,6 @@
 //! The recorder: a thread that encodes each instant once and hands the bytes to every carrier.
 
+use std::collections::BTreeMap;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
@@ -66,13 +67,17 @@ fn record(
     mut carriers: Vec<Box<dyn Carrier>>,
     receiver: &Receiver<Said>,
 ) -> Result<(), NodeError> {
-    carry(&mut carriers, &wire::preamble(model, obstacles)?)?;
+    let mut numbers = Numbers::default();
+    carry(
+        &mut carriers,
+        numbers.number(wire::preamble(model, obstacles)?),
+    )?;
     for said in receiver {
         let packets = match said {
             Said::Packets(packets) => packets,
             Said::Instant(instant) => encode(model, &instant)?,
         };
-        carry(&mut carriers, &packets)?;
+        carry(&mut carriers, numbers.number(packets))?;
     }
     carriers.iter_mut().try_for_each(|carrier| carrier.close())
 }
@@ -90,7 +95,22 @@ fn encode(model: &Model, instant: &Instant) -> Result<Vec<Packet>, NodeError> {
     )?)
 }
 
-fn carry(carriers: &mut [Box<dyn Carrier>], packets: &[Packet]) -> Result<(), NodeError> {
+/// Counts the messages of each topic, before any carrier can lose one: who misses some can tell.
+#[derive(Default)]
+struct Numbers(BTreeMap<String, u64>);
+
+impl Numbers {
+    fn number(&mut self, mut packets: Vec<Packet>) -> Vec<Packet> {
+        for packet in &mut packets {
+            let next = self.0.entry(packet.topic().into_owned()).or_default();
+            packet.sequence = *next;
+            *next += 1;
+        }
+        packets
+    }
+}
+
+fn carry(carriers: &mut [Box<dyn Carrier>], packets: Vec<Packet>) -> Result<(), NodeError> {
     for carrier in carriers {
         packets
             .iter()

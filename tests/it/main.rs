@@ -35,6 +35,10 @@ mod scene;
 mod schema_reader;
 mod session;
 #[cfg(feature = "iceoryx2")]
+mod shared_hostile;
+#[cfg(feature = "iceoryx2")]
+mod shared_measure;
+#[cfg(feature = "iceoryx2")]
 mod shared_memory;
 #[cfg(feature = "iceoryx2")]
 mod shared_processes;
