@@ -4,6 +4,8 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+#[cfg(feature = "ros2")]
+use crate::node::ros2::Ros2Error;
 #[cfg(feature = "iceoryx2")]
 use crate::node::shared_memory::SharedMemoryError;
 use crate::node::{Difference, NodeError};
@@ -69,6 +71,12 @@ impl CliError {
             #[cfg(feature = "iceoryx2")]
             CliError::Node(NodeError::SharedMemory(
                 SharedMemoryError::Name { .. } | SharedMemoryError::NameTaken { .. },
+            )) => ExitCode::from(2),
+            #[cfg(feature = "ros2")]
+            CliError::Node(NodeError::Ros2(
+                Ros2Error::Variable { .. }
+                | Ros2Error::LanForbidden { .. }
+                | Ros2Error::Name { .. },
             )) => ExitCode::from(2),
             CliError::Diverged { .. }
             | CliError::Node(_)

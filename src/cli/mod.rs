@@ -3,6 +3,8 @@
 //! One file a verb, each with clap arguments and a `run`. Exit codes: 0 done, 1 the run failed or differed,
 //! 2 bad usage or input. Results go to standard output, everything else to standard error; an error is one line.
 
+#[cfg(feature = "ros2")]
+mod bridge;
 mod chart;
 mod error;
 mod info;
@@ -64,6 +66,9 @@ enum Verb {
     /// Print what a running simulation publishes.
     #[cfg(feature = "iceoryx2")]
     Watch(watch::WatchArgs),
+    /// Carry a run's channels and commands between shared memory and ROS 2; `run --ros2` starts one.
+    #[cfg(feature = "ros2")]
+    Bridge(bridge::BridgeArgs),
     /// Run and draw a chart: error against CPU time.
     Chart(chart::ChartArgs),
 }
@@ -87,6 +92,8 @@ pub fn main() -> ExitCode {
         Verb::Send(args) => args.run(),
         #[cfg(feature = "iceoryx2")]
         Verb::Watch(args) => args.run(),
+        #[cfg(feature = "ros2")]
+        Verb::Bridge(args) => args.run(),
         Verb::Chart(args) => args.run(),
     };
     match done {

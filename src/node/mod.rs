@@ -25,6 +25,8 @@ mod recording;
 mod records;
 mod recover;
 mod replay;
+#[cfg(feature = "ros2")]
+pub mod ros2;
 mod run;
 mod scan;
 mod schedule;
