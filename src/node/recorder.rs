@@ -1,7 +1,7 @@
 //! The recorder: a thread that encodes each instant once and hands the bytes to every carrier.
 
 use std::collections::BTreeMap;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, Sender, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
 use super::{Carrier, NodeError};
@@ -26,6 +26,8 @@ pub(super) enum Said {
     Instant(Box<Instant>),
     /// What is encoded already.
     Packets(Vec<Packet>),
+    /// An answer that somebody waits for; it follows all that was said before.
+    Answer(Sender<Vec<u8>>, Vec<u8>),
 }
 
 /// The sending end, and the thread.
@@ -76,6 +78,11 @@ fn record(
         let packets = match said {
             Said::Packets(packets) => packets,
             Said::Instant(instant) => encode(model, &instant)?,
+            Said::Answer(reply, bytes) => {
+                // Who no longer waits does not mind.
+                let _ = reply.send(bytes);
+                continue;
+            }
         };
         carry(&mut carriers, numbers.number(packets))?;
     }
