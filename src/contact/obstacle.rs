@@ -68,6 +68,12 @@ pub struct Obstacle {
 }
 
 impl Obstacle {
+    /// Velocity of the obstacle's point that is now at `x` \[m/s\], world frame.
+    pub fn velocity_at(&self, x: &Vector3<f64>) -> Vector3<f64> {
+        let arm = x - self.pose.translation.vector;
+        self.velocity.linear + self.velocity.angular.cross(&arm)
+    }
+
     /// Moves the pose by its velocity for `dt` seconds (exact rotation for constant angular velocity).
     pub fn advance(&mut self, dt: f64) {
         self.pose.translation.vector += self.velocity.linear * dt;

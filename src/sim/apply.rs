@@ -4,7 +4,8 @@ use super::admit::{admit, refusal};
 use super::command::{Command, Rejected};
 use super::measure;
 use super::report::StepReport;
-use super::simulation::Simulation;
+use super::simulation::{Engine, Simulation};
+use super::state::State;
 use super::touch::Touch;
 use crate::contact::{Obstacle, Pose, Velocity};
 use crate::scene::Accept;
@@ -17,7 +18,7 @@ impl Simulation {
     ///
     /// # Errors
     /// The scene does not accept the kind of command, a value is not finite or out of its range, the obstacle is
-    /// not there, or its name is taken. The state is then untouched.
+    /// not there, its name is taken, or it would stand in the sheet. The state is then untouched.
     pub fn apply(&mut self, command: &Command) -> Result<(), Rejected> {
         self.accept(command)?;
         match admit(command)? {
@@ -60,20 +61,17 @@ impl Simulation {
             let range = format!("at most {MOST_OBSTACLES} at a time");
             return Err(refusal("number of obstacles", count + 1, range));
         }
-        let at = self.state.add_obstacle(obstacle);
-        self.jump(None, Some(at));
-        Ok(())
+        self.change(None, |state| Some(state.add_obstacle(obstacle)))
     }
 
     fn remove(&mut self, name: &str) -> Result<(), Rejected> {
         let at = self.known(name)?;
-        let before = Touch::of(&self.model, &self.state, Some(at));
-        self.state.remove_obstacle(at);
-        self.jump(Some(&before), None);
-        Ok(())
+        self.change(Some(at), |state| {
+            state.remove_obstacle(at);
+            None
+        })
     }
 
-    /// Bonds ride along: what sticks to an obstacle is pulled after it, as far as friction can.
     fn put(
         &mut self,
         name: &str,
@@ -82,10 +80,10 @@ impl Simulation {
     ) -> Result<(), Rejected> {
         let at = self.known(name)?;
         if let Some(pose) = pose {
-            let before = Touch::of(&self.model, &self.state, Some(at));
-            before.ride(&pose, &mut self.state);
-            self.state.obstacles[at].pose = pose;
-            self.jump(Some(&before), Some(at));
+            self.change(Some(at), |state| {
+                state.obstacles[at].pose = pose;
+                Some(at)
+            })?;
         }
         if let Some(velocity) = velocity {
             self.state.obstacles[at].velocity = velocity;
@@ -93,27 +91,45 @@ impl Simulation {
         Ok(())
     }
 
-    /// Enters in ledger and scheme history that the contacts `before` have made way for those with the obstacle
-    /// `after`: work is done, and the force jumps.
-    fn jump(&mut self, before: Option<&Touch>, after: Option<usize>) {
-        let (model, state) = (&self.model, &mut self.state);
-        let Some(law) = &model.contact else { return };
-        let after = after.map(|at| Touch::of(model, state, Some(at)));
-        let mut touches = [false; 2];
-        let sides = [(before, -1.0), (after.as_ref(), 1.0)];
-        for (side, (touch, sign)) in sides.into_iter().enumerate() {
-            let Some(touch) = touch else { continue };
-            touches[side] = !touch.proximities.is_empty();
-            state.ledger.supports += sign * touch.potential(model, law, &state.positions);
-            for (v, push) in touch.pushes(model, law, &state.positions) {
-                let free = model.dofs.free(v as usize, push);
-                state.history.accelerations[v as usize] += free * (sign / model.masses[v as usize]);
+    /// Changes one obstacle: the one at `at` before, the one that `change` names after.
+    /// Work and the jump of the force go into ledger and scheme history.
+    fn change(
+        &mut self,
+        at: Option<usize>,
+        change: impl FnOnce(&mut State) -> Option<usize>,
+    ) -> Result<(), Rejected> {
+        let model = &self.model;
+        let contacts = |state: &State, at: Option<usize>| match at {
+            Some(at) => Touch::of(model, state, Some(at)),
+            None => Touch::default(),
+        };
+        let before = contacts(&self.state, at);
+        let mut next = self.state.clone();
+        let at = change(&mut next);
+        let after = contacts(&next, at);
+        let Some(law) = &model.contact else {
+            return Ok(());
+        };
+        if let Some(at) = at {
+            let [deep, deeper] = [&before, &after].map(|touch| touch.deepest(law));
+            clear(&next.obstacles[at].name, deep, deeper, law.offset)?;
+        }
+        for (touch, sign) in [(&before, -1.0), (&after, 1.0)] {
+            next.ledger.supports += sign * touch.potential(model, law, &next.positions);
+            if let Engine::Explicit(..) = self.engine {
+                for (v, push) in touch.pushes(model, law, &next.positions) {
+                    let jump =
+                        model.dofs.free(v as usize, push) * (sign / model.masses[v as usize]);
+                    next.history.accelerations[v as usize] += jump;
+                }
             }
         }
-        if touches[0] != touches[1] {
-            // A two-step scheme would carry the force before into the steps after: half a step of velocity.
-            state.history.dt = 0.0;
+        let made_or_lost = before.proximities.is_empty() != after.proximities.is_empty();
+        if made_or_lost && matches!(self.engine, Engine::Implicit(..)) {
+            next.history.restart();
         }
+        self.state = next;
+        Ok(())
     }
 
     fn known(&self, name: &str) -> Result<usize, Rejected> {
@@ -151,4 +167,17 @@ impl Simulation {
 fn not_accepted(kind: Accept) -> Rejected {
     let commands = kind.name();
     Rejected::NotAccepted { commands }
+}
+
+/// Refuses an obstacle that reaches deeper into the cloth than its surface can give way: contact would throw the
+/// sheet off with energy from nowhere. Where the cloth is that deep already, it may stay.
+fn clear(name: &str, deep: f64, deeper: f64, most: f64) -> Result<(), Rejected> {
+    if deeper <= most.max(deep) {
+        return Ok(());
+    }
+    Err(Rejected::Overlap {
+        name: name.to_string(),
+        depth: 1e3 * deeper,
+        most: 1e3 * most,
+    })
 }

@@ -9,7 +9,8 @@ use crate::contact::{Obstacle, Pose, Velocity};
 pub enum Command {
     /// A new obstacle, under a name that no other one has.
     AddObstacle(Obstacle),
-    /// Puts an obstacle elsewhere, gives it another velocity, or both; what is not given stays.
+    /// Puts an obstacle elsewhere, gives it another velocity, or both; what is not given stays. A new place is a
+    /// jump, which takes no cloth along; a velocity does, by friction.
     MoveObstacle {
         /// Its name.
         name: String,
@@ -75,6 +76,19 @@ pub enum Rejected {
     NameTaken {
         /// Name in the command.
         name: String,
+    },
+    /// The obstacle would stand in the sheet.
+    #[error(
+        "obstacle {name:?} would reach {depth:.3} mm into the cloth; at most {most:.3} mm, half its thickness, so that \
+         contact does not throw the sheet off"
+    )]
+    Overlap {
+        /// Name of the obstacle.
+        name: String,
+        /// How deep it would be in the cloth \[mm\].
+        depth: f64,
+        /// How deep it may be \[mm\].
+        most: f64,
     },
     /// A value out of its range.
     #[error("{field} = {value} is out of range: {range}")]

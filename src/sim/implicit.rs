@@ -161,7 +161,8 @@ impl StepProblem<'_> {
         }
         if let Some(law) = &model.contact {
             let positions = &self.nodes[..model.masses.len()];
-            self.touch.find(model, law, positions, &self.before, None);
+            self.touch.find(model, law, positions, None);
+            self.touch.bind(model, law, &self.before);
             for (v, push) in self.touch.pushes(model, law, self.nodes) {
                 self.forces[v as usize] -= push;
             }

@@ -61,13 +61,13 @@ impl Simulation {
 fn sizes(model: &Model, state: &State, explicit: bool) -> Result<(), Mismatch> {
     let (vertices, edges) = (model.masses.len(), model.mesh.edges.len());
     let past = &state.history;
-    // Only the explicit scheme steps slopes in time, and only the two-step one needs a step before.
+    // Only the explicit scheme steps slopes in time, and only implicit ones can do without the past.
     let earlier = if past.dt > 0.0 && !explicit {
         [vertices; 2]
     } else {
         [0, vertices]
     };
-    let accelerations = if explicit { vertices + edges } else { vertices };
+    let accelerations = if explicit { vertices + edges } else { 0 };
     let lists = [
         ("positions", &state.positions, [vertices; 2]),
         ("velocities", &state.velocities, [vertices; 2]),

@@ -47,8 +47,17 @@ pub struct History {
     pub positions: Vec<Vector3<f64>>,
     /// Velocities one step before \[m/s\], shape \[vertices\]; empty at the start.
     pub velocities: Vec<Vector3<f64>>,
-    /// Accelerations now \[m/s²\], shape \[vertices\]; with the explicit scheme, those of the slopes follow.
+    /// Accelerations now \[m/s²\], shape \[vertices\]; with the explicit scheme, those of the slopes follow. Empty
+    /// after a jump of the force.
     pub accelerations: Vec<Vector3<f64>>,
+}
+
+impl History {
+    /// Forgets the past, which a jump of the force has cut off from the steps to come.
+    pub(super) fn restart(&mut self) {
+        self.dt = 0.0;
+        self.accelerations.clear();
+    }
 }
 
 /// What a frictional bond remembers.

@@ -6,7 +6,7 @@ use super::assembly::{Assembly, pick};
 use super::measure::total;
 use super::model::Model;
 use super::state::{Memory, State};
-use crate::contact::{Nearby, Obstacle, Pose, Proximity, detect, obstacle_of};
+use crate::contact::{Nearby, Obstacle, Proximity, detect};
 use crate::physics::Potential;
 use crate::physics::contact::{Contact, ContactLaw, weighted};
 use crate::physics::friction::{Bond, Friction};
@@ -35,17 +35,18 @@ pub struct Touch {
 }
 
 impl Touch {
-    /// Finds the contacts of a configuration and ties their bonds to the start of the step. `nearby` lists, for
-    /// each obstacle, what may touch it; `None` looks at the whole sheet.
+    /// Finds the contacts of a configuration, without bonds. `nearby` lists, for each obstacle, what may touch it;
+    /// `None` looks at the whole sheet.
     pub fn find(
         &mut self,
         model: &Model,
         law: &ContactLaw,
         positions: &[Vector3<f64>],
-        before: &Before,
         nearby: Option<&[Nearby]>,
     ) {
         self.proximities.clear();
+        self.bonds.clear();
+        self.keys.clear();
         for (i, body) in self.obstacles.iter().enumerate() {
             let whole;
             let near = match nearby {
@@ -67,6 +68,10 @@ impl Touch {
                 found,
             );
         }
+    }
+
+    /// Ties the contacts that have friction to the start of the step.
+    pub fn bind(&mut self, model: &Model, law: &ContactLaw, before: &Before) {
         self.bonds.clear();
         self.keys.clear();
         for near in &self.proximities {
@@ -100,19 +105,9 @@ impl Touch {
             nearby[at] = Nearby::find(&model.mesh, &state.positions, body, law.offset);
             nearby
         });
-        touch.find(model, law, &state.positions, &before, nearby.as_deref());
+        touch.find(model, law, &state.positions, nearby.as_deref());
+        touch.bind(model, law, &before);
         touch
-    }
-
-    /// Lets the anchors of these bonds ride along as their one obstacle goes to `pose`.
-    pub fn ride(&self, pose: &Pose, state: &mut State) {
-        for (bond, key) in self.bonds.iter().zip(&self.keys) {
-            if let Ok(i) = state.bonds.binary_search_by_key(key, |m| m.key) {
-                let from = &self.obstacles[obstacle_of(*key) as usize].pose;
-                let local = from.inverse_transform_point(&bond.anchor.into());
-                state.bonds[i].offset += bond.anchor - pose.transform_point(&local).coords;
-            }
-        }
     }
 
     /// Energy of contact and of friction, what slip would take included \[J\].
@@ -234,12 +229,12 @@ impl Touch {
             })
             .sum();
         let friction = Friction { bonds: &self.bonds };
-        let with_friction = self
+        let rough = self
             .proximities
             .iter()
             .filter(|near| self.has_friction(near));
-        let tangential: f64 = with_friction
-            .enumerate()
+        let tangential: f64 = (0..friction.count())
+            .zip(rough)
             .map(|(s, near)| {
                 let pull: Vector3<f64> = friction
                     .gradient(s, &pick(nodes, &friction.nodes(s)))

@@ -1,6 +1,7 @@
 //! The integration tests: one binary, a module per subject.
 
 mod architecture;
+mod byte_identity;
 mod charts;
 mod cli;
 mod commands;
@@ -8,6 +9,7 @@ mod consistency;
 mod damage;
 mod encoding;
 mod energy;
+mod friction;
 mod inbound;
 mod inbound_objects;
 mod inbound_services;
@@ -20,10 +22,12 @@ mod pictures;
 mod python;
 mod recording;
 mod refusal;
+mod samples;
 mod scene;
 mod schema_reader;
 #[cfg(feature = "iceoryx2")]
 mod shared_memory;
 mod tidy;
+mod type_hashes;
 mod verify;
 mod views;

@@ -3,9 +3,13 @@
 //! to 3.13 with its `venv` module and, the first time, a package index.
 
 use std::fs::{self, File};
+use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::sync::LazyLock;
+use std::thread;
+
+use serde_json::Value;
 
 const REQUIREMENTS: &str = include_str!("peers/requirements.txt");
 /// Holds the requirements that were installed; written last.
@@ -18,7 +22,6 @@ pub fn interpreter() -> &'static Path {
 }
 
 /// A script of `tests/it/peers`, ready for arguments; it is killed after so many seconds.
-#[allow(dead_code)]
 pub fn peer(script: &str, seconds: u32) -> Command {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it/peers");
     let mut command = Command::new("timeout");
@@ -26,6 +29,23 @@ pub fn peer(script: &str, seconds: u32) -> Command {
     command.arg(interpreter()).arg(folder.join(script));
     command.env("PYTHONDONTWRITEBYTECODE", "1");
     command
+}
+
+/// Hands each line to a peer that reads JSON lines; its answers, one a line.
+pub fn ask(script: &str, lines: &[Value]) -> Vec<String> {
+    let mut peer = peer(script, 120);
+    peer.stdin(Stdio::piped()).stdout(Stdio::piped());
+    let mut peer = peer.spawn().expect("the peer starts");
+    let mut input = peer.stdin.take().expect("a pipe");
+    let text: String = lines.iter().map(|line| format!("{line}\n")).collect();
+    let writer = thread::spawn(move || input.write_all(text.as_bytes()));
+    let output = peer.wait_with_output().expect("the peer ends");
+    writer.join().expect("joins").expect("written");
+    assert!(output.status.success(), "{script}: {}", output.status);
+    let answers = String::from_utf8(output.stdout).expect("UTF-8");
+    let answers: Vec<_> = answers.lines().map(str::to_string).collect();
+    assert_eq!(answers.len(), lines.len(), "{script}");
+    answers
 }
 
 fn make() -> Result<PathBuf, String> {

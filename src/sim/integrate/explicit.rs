@@ -9,6 +9,7 @@
 
 use nalgebra::Vector3;
 
+use super::impulse::brake;
 use super::stable::{largest_frequency, rotary_inertia, slope_stiffness};
 use crate::contact::{Nearby, Obstacle};
 use crate::math::sparse::NO_SLOT;
@@ -16,7 +17,7 @@ use crate::physics::Potential;
 use crate::sim::kernel::{Kernel, Lanes, add, dot, lanes, scale, vector};
 use crate::sim::model::Model;
 use crate::sim::state::State;
-use crate::sim::touch::{Before, Touch};
+use crate::sim::touch::Touch;
 
 /// Substep over the stable limit when the user leaves it open.
 pub const SAFETY: f64 = 0.95;
@@ -113,66 +114,57 @@ impl Explicit {
             *rate = add(*rate, scale(a, 0.5 * dt));
         }
         let mut forces = vec![[0.0; 4]; nodes.len()];
+        let mut before_last = vec![];
         for substep in 0..count {
-            let before: Vec<Vector3<f64>> = if model.contact.is_some() {
-                nodes[..vertices].iter().map(vector).collect()
-            } else {
-                vec![]
-            };
             let fastest = drift(&mut nodes, &rates, dt, vertices);
             forces.copy_from_slice(&self.weight);
             self.kernel.add_forces(&nodes, &mut forces);
             if model.contact.is_some() {
-                self.contact(model, state, &before, &nodes, (fastest, dt), &mut forces);
+                self.contact(model, state, &nodes, (fastest, dt), &mut forces);
             }
-            let last = substep + 1 == count;
-            state.ledger.damping += self.kick(model, &mut rates, &forces, dt, last);
+            if substep + 1 == count {
+                before_last.clone_from(&rates);
+            }
+            state.ledger.damping += self.kick(model, &mut rates, &forces, dt);
+            if let Some(law) = &model.contact {
+                let masses = &self.inverse_mass;
+                let taken = brake(model, law, &self.touch, masses, &nodes, &mut rates, dt);
+                state.ledger.friction += taken.friction;
+                state.ledger.damping += taken.contact;
+                state.ledger.supports += taken.obstacles;
+            }
         }
-        state.history.accelerations = (0..nodes.len())
-            .map(|n| vector(&self.acceleration(n, &rates, &forces)))
-            .collect();
-        for (v, (x, rate)) in nodes.iter().zip(&rates).enumerate() {
+        // The half-step velocities around the end give velocity and acceleration there; the next run of substeps
+        // gets back the later one.
+        let around = before_last.iter().zip(&rates);
+        let ends = around.map(|(a, b)| (vector(a), vector(b)));
+        let (velocities, accelerations): (Vec<_>, Vec<_>) =
+            ends.map(|(a, b)| ((a + b) * 0.5, (b - a) / dt)).unzip();
+        state.history.accelerations = accelerations;
+        state.velocities.copy_from_slice(&velocities[..vertices]);
+        state.slope_rates.copy_from_slice(&velocities[vertices..]);
+        for (v, x) in nodes.iter().enumerate() {
             if v < vertices {
                 state.positions[v] = vector(x);
-                state.velocities[v] = vector(rate);
             } else {
                 state.slopes[v - vertices] = vector(x);
-                state.slope_rates[v - vertices] = vector(rate);
             }
         }
         state.history.dt = dt;
         self.touch.clone()
     }
 
-    fn acceleration(&self, node: usize, rates: &[Lanes], forces: &[Lanes]) -> Lanes {
-        let pull = std::array::from_fn(|i| forces[node][i] * self.inverse_mass[node][i]);
-        add(pull, scale(rates[node], -self.drag[node]))
-    }
-
-    /// Takes the rates from one half step to the next, or at the last substep to its end. Returns what damping
-    /// took out \[J\].
-    fn kick(
-        &self,
-        model: &Model,
-        rates: &mut [Lanes],
-        forces: &[Lanes],
-        dt: f64,
-        last: bool,
-    ) -> f64 {
-        let span = if last { 0.5 * dt } else { dt };
-        let (before, after) = if last {
-            (0.0, 0.5 * dt)
-        } else {
-            (0.5 * dt, 0.5 * dt)
-        };
+    /// Takes the rates from one half step to the next. Returns what damping took out \[J\].
+    fn kick(&self, model: &Model, rates: &mut [Lanes], forces: &[Lanes], dt: f64) -> f64 {
+        let half = 0.5 * dt;
         let nodes = rates
             .iter_mut()
             .zip(forces)
             .zip(self.inverse_mass.iter().zip(&self.drag));
         for ((rate, force), (inverse, drag)) in nodes {
-            let push: Lanes = std::array::from_fn(|k| force[k] * inverse[k] * span);
-            let kept = scale(*rate, 1.0 - drag * before);
-            *rate = scale(add(kept, push), 1.0 / (1.0 + drag * after));
+            let push: Lanes = std::array::from_fn(|k| force[k] * inverse[k] * dt);
+            let kept = scale(*rate, 1.0 - drag * half);
+            *rate = scale(add(kept, push), 1.0 / (1.0 + drag * half));
         }
         let drag = &model.damping.coefficients;
         let power = |(c, v): (&f64, &Lanes)| c * dot(*v, *v);
@@ -183,13 +175,11 @@ impl Explicit {
         }
     }
 
-    /// Contact and friction at the end of the drift; settles the bonds.
-    #[allow(clippy::too_many_arguments)]
+    /// Contact at the end of the drift.
     fn contact(
         &mut self,
         model: &Model,
         state: &mut State,
-        before: &[Vector3<f64>],
         nodes: &[Lanes],
         (fastest, dt): (f64, f64),
         forces: &mut [Lanes],
@@ -206,22 +196,13 @@ impl Explicit {
             self.allowance = MARGIN;
         }
         self.touch.obstacles.clone_from(&state.obstacles);
-        let past = Before {
-            positions: before,
-            obstacles: &start,
-            bonds: &state.bonds,
-        };
-        self.touch
-            .find(model, law, &positions, &past, Some(&self.nearby));
+        self.touch.find(model, law, &positions, Some(&self.nearby));
         for (v, push) in self.touch.pushes(model, law, &positions) {
             forces[v as usize] = add(forces[v as usize], lanes(&push));
         }
         if quickest > 0.0 {
             state.ledger.supports += self.touch.work_of_obstacles(model, &start, &positions);
         }
-        let (bonds, slipped) = self.touch.settle(&positions);
-        state.ledger.friction += slipped;
-        state.bonds = bonds;
     }
 }
 

@@ -10,6 +10,7 @@ mod bdf2;
 pub mod explicit;
 mod generalised_alpha;
 mod gradient_flow;
+mod impulse;
 mod stable;
 #[cfg(test)]
 mod test;
@@ -58,11 +59,21 @@ impl Rule {
         }
     }
 
+    /// The rule for the next step: backward Euler where the state lacks the past that a rule needs.
+    fn possible(self, state: &State) -> Self {
+        match self {
+            Self::Bdf2 if state.history.dt == 0.0 => Self::BackwardEuler,
+            Self::GeneralisedAlpha(_) if state.history.accelerations.is_empty() => {
+                Self::BackwardEuler
+            }
+            rule => rule,
+        }
+    }
+
     /// The map for a step of `dt` from `state`.
     pub fn map(&self, state: &State, dt: f64) -> Map {
-        match *self {
+        match self.possible(state) {
             Self::BackwardEuler => backward_euler::map(state, dt),
-            Self::Bdf2 if state.history.dt == 0.0 => backward_euler::map(state, dt),
             Self::Bdf2 => bdf2::map(state, dt),
             Self::GeneralisedAlpha(rho) => generalised_alpha::map(state, dt, rho),
             Self::GradientFlow => gradient_flow::map(state, dt),
@@ -78,7 +89,7 @@ impl Rule {
             extrapolate(&state.nodes(), nodes, map.fraction)
         };
         let (positions, slopes) = end.split_at(state.positions.len());
-        let (velocities, accelerations) = match *self {
+        let (velocities, accelerations) = match self.possible(state) {
             Self::GeneralisedAlpha(rho) => generalised_alpha::end(state, positions, dt, rho),
             Self::GradientFlow => (
                 vec![Vector3::zeros(); positions.len()],

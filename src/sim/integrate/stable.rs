@@ -35,7 +35,7 @@ pub fn slope_stiffness(model: &Model) -> Vec<f64> {
 /// the model has any.
 pub fn largest_frequency(model: &Model, nodes: &[Vector3<f64>], inertia: &[f64]) -> f64 {
     let vertices = model.masses.len();
-    let contact = model.contact.map_or(0.0, |law| law.stiffness + law.grip);
+    let contact = model.contact.map_or(0.0, |law| law.stiffness);
     let mut mode = vec![Vector3::zeros(); nodes.len()];
     for (n, x) in mode[..inertia.len()].iter_mut().enumerate() {
         // Any vector that no mode is orthogonal to will do; this one has all wavelengths.

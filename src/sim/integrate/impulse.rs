@@ -1,0 +1,178 @@
+//! What contact does to velocities in the explicit scheme, as impulses on the half-step velocities: cloth does not
+//! bounce, and Coulomb friction (Moreau 1988; the projected Gauss-Seidel sweep is that of Jean, 1999,
+//! doi:10.1016/S0045-7825(98)00383-1).
+//!
+//! Normal to the obstacle a contact is critically damped; compressed fabric gives back little of the work done on
+//! it, and with elastic contact a sheet at rest would rattle for ever. It never pulls. Along the obstacle a contact
+//! with normal force N stops the velocity of its point, or brakes it by an impulse of mu N dt. Nothing is
+//! remembered: a contact that opens and closes many times in a millisecond grips whenever it bears load, where an
+//! elastic bond would first have to be drawn out again each time.
+
+use nalgebra::Vector3;
+
+use crate::physics::contact::ContactLaw;
+use crate::sim::kernel::{Lanes, add, lanes, vector};
+use crate::sim::model::Model;
+use crate::sim::touch::Touch;
+
+/// Sweeps of friction over all contacts; one settles contacts that share no vertex.
+const SWEEPS: usize = 3;
+
+/// Energy that goes \[J\].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Taken {
+    /// Taken out by contact that does not bounce.
+    pub contact: f64,
+    /// Taken out by friction.
+    pub friction: f64,
+    /// Put in by obstacles that move.
+    pub obstacles: f64,
+}
+
+/// A contact as the sweep needs it.
+struct Grip {
+    vertices: [u32; 3],
+    weights: [f64; 3],
+    normal: Vector3<f64>,
+    /// Velocity of the obstacle there \[m/s\].
+    ground: Vector3<f64>,
+    /// Inverse of the mass that the point feels \[1/kg\].
+    lightness: f64,
+    /// Coefficient of friction \[-\].
+    friction: f64,
+    /// N dt \[N·s\].
+    load: f64,
+    /// Critical damping times dt \[kg\].
+    damping: f64,
+    /// Normal impulse of the damping \[N·s\].
+    softening: f64,
+    /// Impulse of friction \[N·s\].
+    impulse: Vector3<f64>,
+}
+
+/// Brakes `rates` in contact over a substep of `dt`.
+pub fn brake(
+    model: &Model,
+    law: &ContactLaw,
+    touch: &Touch,
+    inverse_mass: &[Lanes],
+    nodes: &[Lanes],
+    rates: &mut [Lanes],
+    dt: f64,
+) -> Taken {
+    let mut grips = grips(model, law, touch, inverse_mass, nodes, dt);
+    let mut taken = Taken::default();
+    for grip in &mut grips {
+        taken.contact += grip.soften(inverse_mass, rates);
+    }
+    for _ in 0..SWEEPS {
+        for grip in grips.iter_mut().filter(|grip| grip.friction > 0.0) {
+            taken.friction += grip.tighten(inverse_mass, rates);
+        }
+    }
+    taken.obstacles = grips.iter().map(Grip::drive).sum();
+    taken
+}
+
+fn grips(
+    model: &Model,
+    law: &ContactLaw,
+    touch: &Touch,
+    inverse_mass: &[Lanes],
+    nodes: &[Lanes],
+    dt: f64,
+) -> Vec<Grip> {
+    let mut grips = Vec::with_capacity(touch.proximities.len());
+    for near in &touch.proximities {
+        let obstacle = &touch.obstacles[near.obstacle as usize];
+        let vertices = model.mesh.faces[near.face as usize];
+        let at: Vector3<f64> = (0..3)
+            .map(|k| vector(&nodes[vertices[k] as usize]) * near.weights[k])
+            .sum();
+        let lightness: f64 = (0..3)
+            .map(|k| {
+                near.weights[k] * near.weights[k] * largest(&inverse_mass[vertices[k] as usize])
+            })
+            .sum();
+        if lightness == 0.0 {
+            continue;
+        }
+        let stiffness = near.share * law.psi(near.distance.value - law.offset)[2];
+        grips.push(Grip {
+            vertices,
+            weights: near.weights,
+            normal: near.distance.normal,
+            ground: obstacle.velocity_at(&at),
+            lightness,
+            friction: obstacle.friction,
+            load: law.normal_force(near) * dt,
+            damping: 2.0 * (stiffness / lightness).sqrt() * dt,
+            softening: 0.0,
+            impulse: Vector3::zeros(),
+        });
+    }
+    grips
+}
+
+fn largest(lanes: &Lanes) -> f64 {
+    lanes[0].max(lanes[1]).max(lanes[2])
+}
+
+impl Grip {
+    /// Velocity of the point over the obstacle \[m/s\].
+    fn motion(&self, rates: &[Lanes]) -> Vector3<f64> {
+        let moving: Vector3<f64> = (0..3)
+            .map(|k| vector(&rates[self.vertices[k] as usize]) * self.weights[k])
+            .sum();
+        moving - self.ground
+    }
+
+    /// Work of the obstacle's motion on the sheet \[J\].
+    fn drive(&self) -> f64 {
+        self.ground
+            .dot(&(self.impulse + self.normal * self.softening))
+    }
+
+    /// Its tangential part \[m/s\].
+    fn slip(&self, rates: &[Lanes]) -> Vector3<f64> {
+        let motion = self.motion(rates);
+        motion - self.normal * self.normal.dot(&motion)
+    }
+
+    fn push(&self, impulse: &Vector3<f64>, inverse_mass: &[Lanes], rates: &mut [Lanes]) {
+        let push = lanes(impulse);
+        for k in 0..3 {
+            let v = self.vertices[k] as usize;
+            let kick = std::array::from_fn(|i| push[i] * inverse_mass[v][i] * self.weights[k]);
+            rates[v] = add(rates[v], kick);
+        }
+    }
+
+    /// Damps the normal velocity, implicitly, without pulling; the load changes with it. Returns the energy taken
+    /// out \[J\].
+    fn soften(&mut self, inverse_mass: &[Lanes], rates: &mut [Lanes]) -> f64 {
+        let speed = self.normal.dot(&self.motion(rates));
+        let wanted = -self.damping * speed / (1.0 + self.damping * self.lightness);
+        let impulse = wanted.max(-self.load);
+        self.load += impulse;
+        self.softening = impulse;
+        self.push(&(self.normal * impulse), inverse_mass, rates);
+        -impulse * (speed + 0.5 * impulse * self.lightness)
+    }
+
+    /// Changes the impulse towards no slip within the cone, and the velocities with it; returns the energy that
+    /// the change takes out of the slip \[J\].
+    fn tighten(&mut self, inverse_mass: &[Lanes], rates: &mut [Lanes]) -> f64 {
+        let slip = self.slip(rates);
+        let limit = self.friction * self.load;
+        let mut impulse = self.impulse - slip / self.lightness;
+        let size = impulse.norm();
+        if size > limit {
+            impulse *= limit / size;
+        }
+        let change = impulse - self.impulse;
+        self.impulse = impulse;
+        self.push(&change, inverse_mass, rates);
+        -0.5 * change.dot(&(slip + self.slip(rates)))
+    }
+}
