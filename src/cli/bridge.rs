@@ -1,7 +1,9 @@
 //! `toile bridge`: a run's channels and commands on ROS 2, in a process of its own.
 
+use std::env;
 use std::io::{Read, stdin};
-use std::process::exit;
+use std::panic;
+use std::process::{self, exit};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -13,7 +15,7 @@ use signal_hook::flag;
 
 use super::{CliError, output};
 use crate::node::NodeError;
-use crate::node::ros2::{self, ServiceMapping, Settings, Traffic};
+use crate::node::ros2::{self, BridgeCommand, ServiceMapping, Settings, Supervisor, Traffic};
 use crate::node::shared_memory::RunName;
 
 /// How long a bridge that has lost its run may take to end.
@@ -65,6 +67,22 @@ impl Ros2Args {
     }
 }
 
+impl Ros2Args {
+    /// Starts a bridge for a run, that starts again when it dies.
+    pub(super) fn supervise(&self, run: &RunName) -> Result<Supervisor, CliError> {
+        let program = env::current_exe()
+            .map_err(|error| CliError::Input(format!("cannot find the toile binary: {error}")))?;
+        let command = BridgeCommand {
+            program,
+            run: run.clone(),
+            settings: self.settings()?,
+            memory_limit: self.memory_limit,
+        };
+        let notice = |line: &str| eprintln!("warning: {line}");
+        Ok(Supervisor::start(command, Box::new(notice)).map_err(NodeError::from)?)
+    }
+}
+
 /// Arguments of `toile bridge`.
 #[derive(Args)]
 pub(super) struct BridgeArgs {
@@ -81,6 +99,7 @@ pub(super) struct BridgeArgs {
 impl BridgeArgs {
     pub(super) fn run(&self) -> Result<(), CliError> {
         let settings = self.ros2.settings()?;
+        end_at_panic();
         ros2::limit_memory(self.ros2.memory_limit).map_err(NodeError::from)?;
         let stop = Arc::new(AtomicBool::new(false));
         if self.supervised {
@@ -109,6 +128,15 @@ impl BridgeArgs {
             false => output::print(&format!("{}\n", summary(&traffic))),
         }
     }
+}
+
+/// A thread of the DDS library that panics would leave a bridge that stands and carries nothing.
+fn end_at_panic() {
+    let report = panic::take_hook();
+    panic::set_hook(Box::new(move |info| {
+        report(info);
+        process::abort();
+    }));
 }
 
 /// Sets the flag when standard input ends, which it does with the process that holds its other end.

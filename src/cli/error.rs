@@ -30,6 +30,9 @@ pub enum CliError {
     /// A run or a file that failed.
     #[error(transparent)]
     Node(#[from] NodeError),
+    /// A running simulation said no.
+    #[error("{0}")]
+    Refused(String),
     /// Standard output does not take the result.
     #[error("cannot write to standard output: {0}")]
     Output(io::Error),
@@ -53,9 +56,10 @@ impl CliError {
                 | Ros2Error::LanForbidden { .. }
                 | Ros2Error::Name { .. },
             )) => ExitCode::from(2),
-            CliError::Diverged { .. } | CliError::Node(_) | CliError::Output(_) => {
-                ExitCode::from(1)
-            }
+            CliError::Diverged { .. }
+            | CliError::Node(_)
+            | CliError::Refused(_)
+            | CliError::Output(_) => ExitCode::from(1),
         }
     }
 }

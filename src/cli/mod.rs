@@ -12,9 +12,15 @@ mod output;
 mod progress;
 mod run;
 mod scene;
+#[cfg(feature = "iceoryx2")]
+mod send;
 mod show;
 mod source;
 mod summary;
+#[cfg(feature = "iceoryx2")]
+mod transport;
+#[cfg(feature = "iceoryx2")]
+mod watch;
 
 use std::process::ExitCode;
 
@@ -41,6 +47,12 @@ enum Verb {
     Scene(scene::SceneArgs),
     /// Draw a recording as PNG; write the layouts of viewers.
     Show(show::ShowArgs),
+    /// Send a command to a running simulation.
+    #[cfg(feature = "iceoryx2")]
+    Send(send::SendArgs),
+    /// Print what a running simulation publishes.
+    #[cfg(feature = "iceoryx2")]
+    Watch(watch::WatchArgs),
     /// Carry a run's channels and commands between shared memory and ROS 2; `run --ros2` starts one.
     #[cfg(feature = "ros2")]
     Bridge(bridge::BridgeArgs),
@@ -59,6 +71,10 @@ pub fn main() -> ExitCode {
         Verb::List(args) => args.run(),
         Verb::Scene(args) => args.run(),
         Verb::Show(args) => args.run(),
+        #[cfg(feature = "iceoryx2")]
+        Verb::Send(args) => args.run(),
+        #[cfg(feature = "iceoryx2")]
+        Verb::Watch(args) => args.run(),
         #[cfg(feature = "ros2")]
         Verb::Bridge(args) => args.run(),
         Verb::Chart(args) => args.run(),

@@ -10,7 +10,11 @@ use signal_hook::flag;
 
 use super::progress::Bar;
 use super::{CliError, output, source, summary};
+#[cfg(feature = "iceoryx2")]
+use crate::node::shared_memory::{RunName, SharedMemory};
 use crate::node::{self, NodeError, RunOptions};
+#[cfg(feature = "iceoryx2")]
+use crate::node::{Carrier, Inbox};
 use crate::scene::{Override, Scene, Warning};
 
 /// Arguments of `toile run`.
@@ -44,6 +48,23 @@ pub(super) struct RunArgs {
     /// Threads of the solver; the result does not depend on it.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: u16,
+    /// Publish over shared memory, and take commands from there.
+    #[cfg(feature = "iceoryx2")]
+    #[arg(long)]
+    shm: bool,
+    /// Name under which the run is found in shared memory.
+    #[cfg(feature = "iceoryx2")]
+    #[arg(long, value_name = "NAME", default_value_t)]
+    name: RunName,
+    /// The same on ROS 2, through a process of its own that reads and writes shared memory.
+    #[cfg(feature = "ros2")]
+    #[arg(long)]
+    ros2: bool,
+    #[cfg(feature = "ros2")]
+    #[command(flatten)]
+    bridge: super::bridge::Ros2Args,
+    #[arg(long, default_value_t)]
+    pace: crate::node::Pace,
     /// A JSON object instead of the summary.
     #[arg(long)]
     json: bool,
@@ -60,18 +81,25 @@ struct Job {
 impl RunArgs {
     pub(super) fn run(&self) -> Result<(), CliError> {
         let job = self.check()?;
-        let options = RunOptions {
+        let mut options = RunOptions {
             output: Some(job.output.clone()),
             threads: job.threads,
             stop: stop_flag()?,
+            pace: self.pace,
             ..RunOptions::default()
         };
+        #[cfg(feature = "iceoryx2")]
+        self.share(&mut options)?;
+        #[cfg(feature = "ros2")]
+        let bridge = self.start_bridge()?;
         for warning in &job.warnings {
             eprintln!("warning: {warning}");
         }
         let bar = Bar::new(&job.scene.name);
         let result = node::run(&job.scene, options, &mut |progress| bar.show(progress));
         drop(bar);
+        #[cfg(feature = "ros2")]
+        let bridge = bridge.map(crate::node::ros2::Supervisor::finish);
         let summary = result.map_err(|error| match error {
             NodeError::Diverged(diverged) => CliError::Diverged {
                 diverged,
@@ -80,8 +108,40 @@ impl RunArgs {
             other => other.into(),
         })?;
         match self.json {
-            true => output::print_json(&summary::json(&job.scene, &job.warnings, &summary)),
+            true => {
+                let mut json = summary::json(&job.scene, &job.warnings, &summary);
+                json["bridge"] = serde_json::to_value(&bridge).unwrap();
+                json["orders"] = serde_json::to_value(&summary.orders).unwrap();
+                output::print_json(&json)
+            }
             false => output::print(&summary::text(&job.scene, &summary)),
+        }
+    }
+
+    /// Shared memory, if asked for.
+    #[cfg(feature = "iceoryx2")]
+    fn share(&self, options: &mut RunOptions) -> Result<(), CliError> {
+        if self.live() {
+            let (mailbox, inbox) = Inbox::with_mailbox();
+            let carrier =
+                SharedMemory::open(self.name.clone(), mailbox).map_err(NodeError::from)?;
+            let carrier: Box<dyn Carrier> = Box::new(carrier);
+            options.inbox = inbox;
+            options.live.push(("shared memory".to_string(), carrier));
+        }
+        Ok(())
+    }
+
+    fn live(&self) -> bool {
+        self.shm || self.ros2
+    }
+
+    /// The bridge to ROS 2, if asked for.
+    #[cfg(feature = "ros2")]
+    fn start_bridge(&self) -> Result<Option<crate::node::ros2::Supervisor>, CliError> {
+        match self.ros2 {
+            true => self.bridge.supervise(&self.name).map(Some),
+            false => Ok(None),
         }
     }
 
@@ -121,7 +181,7 @@ impl RunArgs {
 
 /// A flag that Ctrl-C and SIGTERM set, so that the run ends after the step at hand with its recording closed.
 /// A second signal ends the process at once.
-fn stop_flag() -> Result<Arc<AtomicBool>, CliError> {
+pub(super) fn stop_flag() -> Result<Arc<AtomicBool>, CliError> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
         // In this order, or the first signal would find the flag set already.

@@ -22,6 +22,8 @@ mod pictures;
 mod python;
 mod recording;
 mod refusal;
+#[cfg(feature = "ros2")]
+mod ros2;
 mod samples;
 mod scene;
 mod schema_reader;

@@ -141,6 +141,9 @@ impl Carrier for Gate {
 
 fn packet(channel: &'static Channel, stamp: u64) -> Packet {
     Packet {
+        obstacle: None,
+        step: 0,
+        digest: 0,
         channel,
         stamp,
         bytes: vec![],

@@ -16,6 +16,7 @@ use super::header::{ABI, CallHeader, Refusal, ReplyHeader};
 use super::link::Ipc;
 use super::publisher::{Counts, Ports};
 use super::{MOST_BYTES, SharedMemoryError};
+use crate::node::{Mailbox, Order};
 use crate::wire::cdr;
 use crate::wire::inbound::{self, InletKind};
 use crate::wire::messages::toile_msgs::AppliedCommand;
@@ -29,6 +30,18 @@ pub trait Desk: Send {
 impl<F: FnMut(Call) -> Result<(), Refusal> + Send> Desk for F {
     fn take(&mut self, call: Call) -> Result<(), Refusal> {
         self(call)
+    }
+}
+
+impl Desk for Mailbox {
+    fn take(&mut self, call: Call) -> Result<(), Refusal> {
+        let inlet = inbound::find(&call.inlet).ok_or(Refusal::UnknownInlet)?;
+        let order = Order {
+            inlet,
+            bytes: call.bytes,
+            reply: Some(call.reply),
+        };
+        self.post(order).map_err(|_| Refusal::Busy)
     }
 }
 
