@@ -7,6 +7,8 @@ use std::process::ExitCode;
 use crate::node::NodeError;
 #[cfg(feature = "ros2")]
 use crate::node::ros2::Ros2Error;
+#[cfg(feature = "iceoryx2")]
+use crate::node::shared_memory::SharedMemoryError;
 use crate::scene::SceneError;
 use crate::sim::Diverged;
 
@@ -55,6 +57,10 @@ impl CliError {
                 Ros2Error::Variable { .. }
                 | Ros2Error::LanForbidden { .. }
                 | Ros2Error::Name { .. },
+            )) => ExitCode::from(2),
+            #[cfg(feature = "iceoryx2")]
+            CliError::Node(NodeError::SharedMemory(
+                SharedMemoryError::Name { .. } | SharedMemoryError::NameTaken { .. },
             )) => ExitCode::from(2),
             CliError::Diverged { .. }
             | CliError::Node(_)

@@ -112,7 +112,7 @@ fn exchanged(energies: &Energies) -> String {
         ("damping", energies.damping),
         ("friction", energies.friction),
     ]);
-    let put = millijoules(&[("supports", energies.supports)]);
+    let put = millijoules(&[("supports", energies.supports), ("air", energies.air)]);
     format!("out by {taken}; in by {put}")
 }
 

@@ -52,6 +52,8 @@ pub(super) struct Seen {
     pub state: Option<(u64, u64)>,
     /// Messages lost just before it.
     pub missed: u64,
+    /// Whether it is the first that is seen of a run.
+    pub first: bool,
     /// CDR with its encapsulation header.
     pub bytes: Vec<u8>,
 }
@@ -100,6 +102,7 @@ impl Source for SharedTopic {
                     stamp: header.stamp,
                     state: Some((header.step, header.digest)),
                     missed: message.missed,
+                    first: message.first,
                     bytes: message.bytes().to_vec(),
                 }));
             }

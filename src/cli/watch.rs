@@ -104,7 +104,13 @@ impl WatchArgs {
                 "{topic}  {time:.6} s{state}  {bytes} bytes{missed}"
             ));
         }
-        let mut line = json!({"topic": topic, "time": time, "bytes": bytes, "missed": seen.missed});
+        let mut line = json!({
+            "topic": topic,
+            "time": time,
+            "bytes": bytes,
+            "missed": seen.missed,
+            "first": seen.first,
+        });
         if let Some((step, digest)) = seen.state {
             line["step"] = step.into();
             line["digest"] = format!("{digest:016x}").into();

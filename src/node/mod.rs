@@ -12,6 +12,7 @@ mod inbox;
 mod live;
 mod mcap_file;
 mod mode;
+mod orders;
 mod pace;
 mod recorder;
 mod recording;

@@ -10,7 +10,6 @@ use super::live::Gauge;
 use super::mode::Mode;
 use super::pace::Pacer;
 use super::recorder::Recorder;
-use super::schedule::Schedule;
 use super::{Carrier, Destination, Inbox, Live, McapFile, NodeError, Pace, Summary};
 use crate::scene::Scene;
 use crate::sim::Simulation;
@@ -78,23 +77,18 @@ pub fn run(
     let obstacles = simulation.state().obstacles.clone();
     let recorder = Recorder::start(simulation.model().clone(), obstacles, carriers)?;
     let mut summary = Summary::new(options.pace);
-    let mut inbox = options.inbox;
-    let mut pacer = Pacer::new(options.pace);
-    let paused = options.wait_for_start || options.pace == Pace::Lockstep;
-    let mut drive = Drive {
-        simulation: &mut simulation,
-        recorder: &recorder,
-        inbox: &mut inbox,
-        pacer: &mut pacer,
-        stop: &options.stop,
-        schedule: Schedule::new(scene),
-        mode: match paused {
-            true => Mode::Paused,
-            false => Mode::Running,
-        },
-        published: None,
-        open: true,
-    };
+    let pacer = Pacer::new(options.pace);
+    let mut drive = Drive::new(
+        &mut simulation,
+        &recorder,
+        options.inbox,
+        pacer,
+        &options.stop,
+    );
+    drive.gauges = &gauges;
+    if options.wait_for_start || options.pace == Pace::Lockstep {
+        drive.mode = Mode::Paused;
+    }
     let ended = drive.run(&mut |report| {
         summary.add(report);
         progress(&Progress {
@@ -104,14 +98,14 @@ pub fn run(
             wall_seconds: watch.wall_seconds(),
         });
     });
+    summary.orders = drive.orders;
+    summary.lateness = drive.pacer.lateness();
     recorder.finish()?;
     summary.stopped = ended? == End::Stopped;
     let names = scene.observe.keys().cloned();
     summary.readings = names
         .zip(simulation.report().readings.iter().copied())
         .collect();
-    summary.lateness = pacer.lateness();
-    summary.orders.dropped = inbox.dropped();
     summary.live = gauges.iter().map(Gauge::tally).collect();
     summary.recording = destination.map(|d| d.file().to_path_buf());
     let size = summary

@@ -5,8 +5,8 @@ use crate::scene::Scene;
 /// Which steps are published.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Schedule {
-    /// Steps of the whole run.
-    pub steps: u64,
+    /// The step after which the run is over.
+    pub last: u64,
     /// Steps between outputs.
     output: u64,
     /// Steps between surfaces.
@@ -21,7 +21,7 @@ impl Schedule {
         let interval = 1.0 / (scene.output.mesh_rate * scene.method.dt);
         let surfaces = ((interval / output as f64).round() as u64).max(1);
         Self {
-            steps: scene.steps(),
+            last: scene.steps(),
             output,
             mesh: output.saturating_mul(surfaces),
             with_mesh: scene.output.mesh_rate > 0.0,

@@ -1,6 +1,7 @@
 //! The simulation: a constant model, a state, and the only two ways to change it.
 
 mod admit;
+mod air;
 mod apply;
 mod assembly;
 mod command;
@@ -21,6 +22,7 @@ mod state;
 mod step;
 mod touch;
 
+pub use air::Air;
 pub use command::{AirRegion, Airflow, Command, Rejected};
 pub use dofs::Dofs;
 pub use model::{Model, Reading};

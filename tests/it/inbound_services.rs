@@ -191,7 +191,7 @@ fn an_entity_is_moved_by_what_is_set() {
     assert_eq!(response.result.result, Reply::FEATURE_UNSUPPORTED);
 }
 
-fn spawn(text: &str) -> SpawnEntityRequest {
+pub fn spawn(text: &str) -> SpawnEntityRequest {
     SpawnEntityRequest {
         name: "ball".into(),
         entity_resource: Resource {
@@ -206,7 +206,7 @@ fn spawn(text: &str) -> SpawnEntityRequest {
     }
 }
 
-const BALL: &str =
+pub const BALL: &str =
     "shape = { kind = \"sphere\", radius = 0.05 }\nposition = [0.5, 0.0, 0.0]\nfriction = 0.3";
 
 /// The description is in the entity's frame: a quarter turn brings its (0.5, 0, 0) to (0, 0.5, 0).

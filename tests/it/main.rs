@@ -1,5 +1,6 @@
 //! The integration tests: one binary, a module per subject.
 
+mod air;
 mod architecture;
 mod byte_identity;
 mod charts;
@@ -12,11 +13,13 @@ mod energy;
 mod friction;
 mod inbound;
 mod inbound_objects;
+mod inbound_property;
 mod inbound_services;
 mod lab;
 mod messages;
 mod needs;
 mod order;
+mod orders;
 mod pace;
 mod pictures;
 mod python;
@@ -27,8 +30,11 @@ mod ros2;
 mod samples;
 mod scene;
 mod schema_reader;
+mod session;
 #[cfg(feature = "iceoryx2")]
 mod shared_memory;
+#[cfg(feature = "iceoryx2")]
+mod shared_processes;
 mod tidy;
 mod type_hashes;
 mod verify;

@@ -145,7 +145,10 @@ fn packet(channel: &'static Channel, stamp: u64) -> Packet {
         step: 0,
         digest: 0,
         channel,
+        obstacle: None,
         stamp,
+        step: 0,
+        digest: 0,
         bytes: vec![],
     }
 }

@@ -12,7 +12,7 @@ use toile::wire::Packet;
 use toile::wire::channels::{self, Channel};
 
 /// A run's name that nobody else uses.
-fn name() -> RunName {
+pub fn name() -> RunName {
     static COUNT: AtomicU32 = AtomicU32::new(0);
     let count = COUNT.fetch_add(1, Ordering::Relaxed);
     let name = format!("test-{}-{count}", std::process::id());
@@ -41,6 +41,11 @@ fn packet(channel: &'static Channel, step: u64, bytes: usize) -> Packet {
         digest: !step,
         bytes: (0..bytes).map(|k| (k as u64 + step) as u8).collect(),
     }
+}
+
+/// A state of 3,000 vertices, as far as its length goes.
+pub fn state(step: u64) -> Packet {
+    packet(&channels::STATE, step, 72_000)
 }
 
 fn publish(carrier: &mut SharedMemory, packet: &Packet) {
