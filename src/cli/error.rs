@@ -4,11 +4,11 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use crate::node::NodeError;
 #[cfg(feature = "ros2")]
 use crate::node::ros2::Ros2Error;
 #[cfg(feature = "iceoryx2")]
 use crate::node::shared_memory::SharedMemoryError;
+use crate::node::{Difference, NodeError};
 use crate::scene::SceneError;
 use crate::sim::Diverged;
 
@@ -35,6 +35,22 @@ pub enum CliError {
     /// A running simulation said no.
     #[error("{0}")]
     Refused(String),
+    /// A recording that is not whole.
+    #[error("{} is not whole: {count} fault{}", file.display(), if *count == 1 { "" } else { "s" })]
+    Faulty {
+        /// The recording.
+        file: PathBuf,
+        /// Faults that were told.
+        count: usize,
+    },
+    /// A replay that is not what was recorded.
+    #[error("{} differs at {difference}", file.display())]
+    Differs {
+        /// The recording.
+        file: PathBuf,
+        /// Where, and in what.
+        difference: Difference,
+    },
     /// Standard output does not take the result.
     #[error("cannot write to standard output: {0}")]
     Output(io::Error),
@@ -65,6 +81,8 @@ impl CliError {
             CliError::Diverged { .. }
             | CliError::Node(_)
             | CliError::Refused(_)
+            | CliError::Faulty { .. }
+            | CliError::Differs { .. }
             | CliError::Output(_) => ExitCode::from(1),
         }
     }

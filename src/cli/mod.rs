@@ -7,18 +7,23 @@
 mod bridge;
 mod chart;
 mod error;
+mod info;
 mod list;
 mod output;
 mod progress;
+mod recover;
+mod replay;
 mod run;
 mod scene;
 #[cfg(feature = "iceoryx2")]
 mod send;
 mod show;
+mod signals;
 mod source;
 mod summary;
 #[cfg(feature = "iceoryx2")]
 mod transport;
+mod verify;
 #[cfg(feature = "iceoryx2")]
 mod watch;
 
@@ -41,6 +46,14 @@ struct Cli {
 enum Verb {
     /// Simulate a scene and record it.
     Run(run::RunArgs),
+    /// Run a recording's commands again: the same bits, or where it differs.
+    Replay(replay::ReplayArgs),
+    /// Say what a recording holds.
+    Info(info::InfoArgs),
+    /// Check a recording: checksums, index, every message.
+    Verify(verify::VerifyArgs),
+    /// Complete a recording that was cut short.
+    Recover(recover::RecoverArgs),
     /// List what is built in.
     List(list::ListArgs),
     /// Print the TOML of a built-in scene, to start one's own from.
@@ -68,6 +81,10 @@ pub fn main() -> ExitCode {
     };
     let done = match cli.verb {
         Verb::Run(args) => args.run(),
+        Verb::Replay(args) => args.run(),
+        Verb::Info(args) => args.run(),
+        Verb::Verify(args) => args.run(),
+        Verb::Recover(args) => args.run(),
         Verb::List(args) => args.run(),
         Verb::Scene(args) => args.run(),
         Verb::Show(args) => args.run(),

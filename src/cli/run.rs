@@ -1,20 +1,18 @@
 //! `toile run`: simulate a scene and record it.
 
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use clap::Args;
-use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::flag;
 
+#[cfg(feature = "ros2")]
+use super::bridge::{self, Ros2Args};
 use super::progress::Bar;
-use super::{CliError, output, source, summary};
+use super::{CliError, output, signals, source, summary};
+#[cfg(feature = "ros2")]
+use crate::node::ros2::Supervisor;
 #[cfg(feature = "iceoryx2")]
 use crate::node::shared_memory::{RunName, SharedMemory};
-use crate::node::{self, NodeError, RunOptions};
-#[cfg(feature = "iceoryx2")]
-use crate::node::{Carrier, Inbox};
+use crate::node::{self, Carrier, Inbox, Mailbox, NodeError, Pace, RunOptions};
 use crate::scene::{Override, Scene, Warning};
 
 /// Arguments of `toile run`.
@@ -48,6 +46,13 @@ pub(super) struct RunArgs {
     /// Threads of the solver; the result does not depend on it.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: u16,
+    /// Simulated against wall time: free (as fast as possible), real, a factor such as 0.5, or lockstep (steps only
+    /// when told).
+    #[arg(long, value_name = "P", default_value_t = Pace::Free, allow_negative_numbers = true)]
+    pace: Pace,
+    /// Start paused, until somebody says go.
+    #[arg(long)]
+    wait_for_start: bool,
     /// Publish over shared memory, and take commands from there.
     #[cfg(feature = "iceoryx2")]
     #[arg(long)]
@@ -62,9 +67,7 @@ pub(super) struct RunArgs {
     ros2: bool,
     #[cfg(feature = "ros2")]
     #[command(flatten)]
-    bridge: super::bridge::Ros2Args,
-    #[arg(long, default_value_t)]
-    pace: crate::node::Pace,
+    bridge: Ros2Args,
     /// A JSON object instead of the summary.
     #[arg(long)]
     json: bool,
@@ -81,25 +84,28 @@ struct Job {
 impl RunArgs {
     pub(super) fn run(&self) -> Result<(), CliError> {
         let job = self.check()?;
-        let mut options = RunOptions {
+        let (mailbox, inbox) = Inbox::with_mailbox();
+        let live = self.connect(mailbox)?;
+        let options = RunOptions {
             output: Some(job.output.clone()),
             threads: job.threads,
-            stop: stop_flag()?,
+            stop: signals::stop_flag()?,
+            inbox,
+            live,
             pace: self.pace,
+            wait_for_start: self.wait_for_start,
             ..RunOptions::default()
         };
-        #[cfg(feature = "iceoryx2")]
-        self.share(&mut options)?;
-        #[cfg(feature = "ros2")]
-        let bridge = self.start_bridge()?;
         for warning in &job.warnings {
             eprintln!("warning: {warning}");
         }
+        #[cfg(feature = "ros2")]
+        let bridge = self.bridge.supervise(self.ros2, &self.name)?;
         let bar = Bar::new(&job.scene.name);
         let result = node::run(&job.scene, options, &mut |progress| bar.show(progress));
         drop(bar);
         #[cfg(feature = "ros2")]
-        let bridge = bridge.map(crate::node::ros2::Supervisor::finish);
+        let bridge = bridge.map(Supervisor::finish);
         let summary = result.map_err(|error| match error {
             NodeError::Diverged(diverged) => CliError::Diverged {
                 diverged,
@@ -107,42 +113,46 @@ impl RunArgs {
             },
             other => other.into(),
         })?;
-        match self.json {
-            true => {
-                let mut json = summary::json(&job.scene, &job.warnings, &summary);
-                json["bridge"] = serde_json::to_value(&bridge).unwrap();
-                json["orders"] = serde_json::to_value(&summary.orders).unwrap();
-                output::print_json(&json)
-            }
-            false => output::print(&summary::text(&job.scene, &summary)),
+        if self.json {
+            #[allow(unused_mut)]
+            let mut json = summary::json(&job.scene, &job.warnings, &summary);
+            #[cfg(feature = "ros2")]
+            bridge::add_json(&mut json, bridge.as_ref());
+            return output::print_json(&json);
         }
+        #[cfg(feature = "ros2")]
+        if let Some(report) = &bridge {
+            eprintln!("{}", bridge::text(report));
+        }
+        output::print(&summary::text(&job.scene, &summary))
     }
 
-    /// Shared memory, if asked for.
-    #[cfg(feature = "iceoryx2")]
-    fn share(&self, options: &mut RunOptions) -> Result<(), CliError> {
-        if self.live() {
-            let (mailbox, inbox) = Inbox::with_mailbox();
+    /// Opens the run to others: live carriers by name, which post what they are told into the mailbox.
+    fn connect(&self, mailbox: Mailbox) -> Result<Vec<(String, Box<dyn Carrier>)>, CliError> {
+        #[cfg(feature = "iceoryx2")]
+        if self.is_shared() {
             let carrier =
                 SharedMemory::open(self.name.clone(), mailbox).map_err(NodeError::from)?;
-            let carrier: Box<dyn Carrier> = Box::new(carrier);
-            options.inbox = inbox;
-            options.live.push(("shared memory".to_string(), carrier));
+            return Ok(vec![("shared memory".to_string(), Box::new(carrier))]);
         }
-        Ok(())
+        // Nobody holds the mailbox: a run that starts paused would end at once.
+        drop(mailbox);
+        if self.wait_for_start || self.pace == Pace::Lockstep {
+            return Err(CliError::Input(
+                "nobody could start this run; let others in with --shm or --ros2".to_string(),
+            ));
+        }
+        Ok(vec![])
     }
 
-    fn live(&self) -> bool {
-        self.shm || self.ros2
-    }
-
-    /// The bridge to ROS 2, if asked for.
-    #[cfg(feature = "ros2")]
-    fn start_bridge(&self) -> Result<Option<crate::node::ros2::Supervisor>, CliError> {
-        match self.ros2 {
-            true => self.bridge.supervise(&self.name).map(Some),
-            false => Ok(None),
+    /// Whether others reach the run through shared memory; the bridge to ROS 2 is one of them.
+    #[cfg(feature = "iceoryx2")]
+    fn is_shared(&self) -> bool {
+        #[cfg(feature = "ros2")]
+        if self.ros2 {
+            return true;
         }
+        self.shm
     }
 
     /// Scene, overrides and options into a job that can be run.
@@ -177,17 +187,4 @@ impl RunArgs {
         }
         Ok(overrides)
     }
-}
-
-/// A flag that Ctrl-C and SIGTERM set, so that the run ends after the step at hand with its recording closed.
-/// A second signal ends the process at once.
-pub(super) fn stop_flag() -> Result<Arc<AtomicBool>, CliError> {
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        // In this order, or the first signal would find the flag set already.
-        flag::register_conditional_shutdown(signal, 1, Arc::clone(&stop))
-            .and_then(|_| flag::register(signal, Arc::clone(&stop)))
-            .map_err(|error| CliError::Input(format!("cannot handle signals: {error}")))?;
-    }
-    Ok(stop)
 }

@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::transport::{Seen, TransportArgs};
-use super::{CliError, run};
+use super::{CliError, signals};
 use crate::wire::cdr::{CdrError, decode};
 use crate::wire::channels::{self, Channel, OBSTACLE};
 use crate::wire::messages::{
@@ -52,7 +52,7 @@ impl WatchArgs {
     pub(super) fn run(&self) -> Result<(), CliError> {
         let (topic, channel) = find(&self.channel)?;
         let mut source = self.transport.open()?.watch(&topic)?;
-        let stop = run::stop_flag()?;
+        let stop = signals::stop_flag()?;
         let mut out = BufWriter::new(io::stdout().lock());
         let (mut count, mut missed) = (0, 0);
         let mut latest = Instant::now();

@@ -95,7 +95,10 @@ impl<'a> Drive<'a> {
             if self.step() >= self.schedule.last || !self.open {
                 return Ok(End::Done);
             }
-            if !self.serve()? || stopped() {
+            // Orders that came with the stop are left alone: then a replay, which stops at the same boundary, sees
+            // what was recorded before it and nothing else.
+            let halts = self.schedule.halt == Some(self.step());
+            if stopped() || !self.serve()? || stopped() || halts {
                 return Ok(End::Stopped);
             }
             after_step(self.simulation.step()?);

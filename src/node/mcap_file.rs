@@ -15,7 +15,7 @@ use mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
 
 use super::bag::{Destination, Tally, Track};
 use super::store::Store;
-use super::{Carrier, NodeError, seal};
+use super::{About, Carrier, NodeError, seal};
 use crate::sim::Model;
 use crate::wire::Packet;
 use crate::wire::channels::{self, Channel};
@@ -47,7 +47,11 @@ pub struct McapFile {
 
 impl McapFile {
     /// Creates the file and writes everything that explains it.
-    pub fn create(destination: Destination, model: &Model) -> Result<Self, NodeError> {
+    pub fn create(
+        destination: Destination,
+        model: &Model,
+        about: &About,
+    ) -> Result<Self, NodeError> {
         destination.prepare()?;
         let path = destination.file().to_path_buf();
         let file = File::create(&path).map_err(NodeError::file("create", &path))?;
@@ -60,7 +64,7 @@ impl McapFile {
             writer,
             tally: Tally::default(),
         };
-        recording.explain(model)?;
+        recording.explain(model, about)?;
         recording.announce().map_err(|e| failure(&path, e))?;
         Ok(recording)
     }
@@ -70,20 +74,15 @@ impl McapFile {
     }
 
     /// Metadata and attachments.
-    fn explain(&mut self, model: &Model) -> Result<(), NodeError> {
+    fn explain(&mut self, model: &Model, about: &About) -> Result<(), NodeError> {
         let path = self.path().to_path_buf();
         let scene = to_toml(&path, &model.scene)?;
         let fabric = to_toml(&path, &model.fabric)?;
-        let metadata = [
-            ("version", env!("CARGO_PKG_VERSION")),
-            ("scene", &model.scene.name),
-            ("fabric", &model.fabric.name),
-        ];
-        let metadata = metadata.map(|(key, value)| (key.to_string(), value.to_string()));
+        let metadata = about.to_metadata();
         let mut write = || {
             self.writer.write_metadata(&Metadata {
                 name: TOILE.to_string(),
-                metadata: metadata.clone().into(),
+                metadata: metadata.clone(),
             })?;
             self.writer.attach(&attachment(SCENE_ATTACHMENT, &scene))?;
             self.writer.attach(&attachment(FABRIC_ATTACHMENT, &fabric))

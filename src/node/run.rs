@@ -10,7 +10,7 @@ use super::live::Gauge;
 use super::mode::Mode;
 use super::pace::Pacer;
 use super::recorder::Recorder;
-use super::{Carrier, Destination, Inbox, Live, McapFile, NodeError, Pace, Summary};
+use super::{About, Carrier, Destination, Inbox, Live, McapFile, NodeError, Pace, Summary};
 use crate::scene::Scene;
 use crate::sim::Simulation;
 
@@ -64,8 +64,10 @@ pub fn run(
     let mut simulation = Simulation::new(scene, options.threads.max(1))?;
     let destination = options.output.as_deref().map(Destination::new);
     let mut carriers = options.carriers;
+    let paused = options.wait_for_start || options.pace == Pace::Lockstep;
     if let Some(destination) = &destination {
-        let file = McapFile::create(destination.clone(), simulation.model())?;
+        let about = About::run(simulation.model(), options.pace, paused);
+        let file = McapFile::create(destination.clone(), simulation.model(), &about)?;
         carriers.push(Box::new(file));
     }
     let mut gauges = vec![];
@@ -86,7 +88,7 @@ pub fn run(
         &options.stop,
     );
     drive.gauges = &gauges;
-    if options.wait_for_start || options.pace == Pace::Lockstep {
+    if paused {
         drive.mode = Mode::Paused;
     }
     let ended = drive.run(&mut |report| {

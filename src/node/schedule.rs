@@ -7,6 +7,8 @@ use crate::scene::Scene;
 pub(super) struct Schedule {
     /// The step after which the run is over.
     pub last: u64,
+    /// The step after which a stop was asked for, if it is known beforehand.
+    pub halt: Option<u64>,
     /// Steps between outputs.
     output: u64,
     /// Steps between surfaces.
@@ -22,6 +24,7 @@ impl Schedule {
         let surfaces = ((interval / output as f64).round() as u64).max(1);
         Self {
             last: scene.steps(),
+            halt: None,
             output,
             mesh: output.saturating_mul(surfaces),
             with_mesh: scene.output.mesh_rate > 0.0,

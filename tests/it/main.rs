@@ -5,6 +5,7 @@ mod architecture;
 mod byte_identity;
 mod charts;
 mod cli;
+mod cli_recordings;
 mod commands;
 mod consistency;
 mod damage;
@@ -25,6 +26,7 @@ mod pictures;
 mod python;
 mod recording;
 mod refusal;
+mod replay;
 #[cfg(feature = "ros2")]
 mod ros2;
 mod samples;

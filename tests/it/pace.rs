@@ -141,9 +141,6 @@ impl Carrier for Gate {
 
 fn packet(channel: &'static Channel, stamp: u64) -> Packet {
     Packet {
-        obstacle: None,
-        step: 0,
-        digest: 0,
         channel,
         obstacle: None,
         stamp,
