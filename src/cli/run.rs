@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-#[cfg(feature = "ros2")]
-use super::bridge::{self, Ros2Args};
 use super::progress::Bar;
+#[cfg(feature = "ros2")]
+use super::ros2::{self, Ros2Args};
 use super::{CliError, output, signals, source, summary};
 #[cfg(feature = "ros2")]
 use crate::node::ros2::Supervisor;
@@ -117,12 +117,12 @@ impl RunArgs {
             #[allow(unused_mut)]
             let mut json = summary::json(&job.scene, &job.warnings, &summary);
             #[cfg(feature = "ros2")]
-            bridge::add_json(&mut json, bridge.as_ref());
+            ros2::add_json(&mut json, bridge.as_ref());
             return output::print_json(&json);
         }
         #[cfg(feature = "ros2")]
         if let Some(report) = &bridge {
-            eprintln!("{}", bridge::text(report));
+            eprintln!("{}", ros2::text(report));
         }
         output::print(&summary::text(&job.scene, &summary))
     }
