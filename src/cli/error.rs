@@ -32,9 +32,6 @@ pub enum CliError {
     /// A run or a file that failed.
     #[error(transparent)]
     Node(#[from] NodeError),
-    /// A running simulation said no.
-    #[error("{0}")]
-    Refused(String),
     /// A recording that is not whole.
     #[error("{} is not whole: {count} fault{}", file.display(), if *count == 1 { "" } else { "s" })]
     Faulty {
@@ -51,6 +48,9 @@ pub enum CliError {
         /// Where, and in what.
         difference: Difference,
     },
+    /// A running simulation said no.
+    #[error("{0}")]
+    Refused(String),
     /// Standard output does not take the result.
     #[error("cannot write to standard output: {0}")]
     Output(io::Error),
@@ -68,21 +68,21 @@ impl CliError {
                 | NodeError::Unreadable { .. }
                 | NodeError::NoSuchFrame { .. },
             ) => ExitCode::from(2),
+            #[cfg(feature = "iceoryx2")]
+            CliError::Node(NodeError::SharedMemory(
+                SharedMemoryError::Name { .. } | SharedMemoryError::NameTaken { .. },
+            )) => ExitCode::from(2),
             #[cfg(feature = "ros2")]
             CliError::Node(NodeError::Ros2(
                 Ros2Error::Variable { .. }
                 | Ros2Error::LanForbidden { .. }
                 | Ros2Error::Name { .. },
             )) => ExitCode::from(2),
-            #[cfg(feature = "iceoryx2")]
-            CliError::Node(NodeError::SharedMemory(
-                SharedMemoryError::Name { .. } | SharedMemoryError::NameTaken { .. },
-            )) => ExitCode::from(2),
             CliError::Diverged { .. }
             | CliError::Node(_)
-            | CliError::Refused(_)
             | CliError::Faulty { .. }
             | CliError::Differs { .. }
+            | CliError::Refused(_)
             | CliError::Output(_) => ExitCode::from(1),
         }
     }

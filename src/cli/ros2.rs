@@ -139,23 +139,27 @@ impl Ros2Args {
     }
 }
 
-/// What came of a run's bridge, in one line.
-pub(super) fn text(report: &BridgeReport) -> String {
-    let traffic = carried(&report.traffic);
-    match &report.last_death {
-        None => format!("ROS 2: {traffic}"),
-        Some(death) => {
-            let times = report.restarts;
-            format!("ROS 2: {traffic}; started again {times} times, died last by {death}")
-        }
-    }
+/// The summary of a run in words, and what came of its bridge.
+pub(super) fn text_with_bridge(text: String, report: Option<&BridgeReport>) -> String {
+    let Some(report) = report else {
+        return text;
+    };
+    let again = match &report.last_death {
+        None => String::new(),
+        Some(death) => format!(
+            "; started again {} times, the last time it died of {death}",
+            report.restarts
+        ),
+    };
+    format!("{text}ROS 2: {}{again}\n", carried(&report.traffic))
 }
 
 /// The same in the run's JSON summary.
-pub(super) fn add_json(summary: &mut Value, report: Option<&BridgeReport>) {
+pub(super) fn with_bridge(mut summary: Value, report: Option<&BridgeReport>) -> Value {
     if let Some(report) = report {
         summary["bridge"] = json!(report);
     }
+    summary
 }
 
 /// What a bridge carried, in one line.

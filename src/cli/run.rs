@@ -12,7 +12,9 @@ use super::{CliError, output, signals, source, summary};
 use crate::node::ros2::Supervisor;
 #[cfg(feature = "iceoryx2")]
 use crate::node::shared_memory::{RunName, SharedMemory};
-use crate::node::{self, Carrier, Inbox, Mailbox, NodeError, Pace, RunOptions};
+use crate::node::{self, NodeError, Pace, RunOptions};
+#[cfg(feature = "iceoryx2")]
+use crate::node::{Carrier, Inbox};
 use crate::scene::{Override, Scene, Warning};
 
 /// Arguments of `toile run`.
@@ -84,18 +86,22 @@ struct Job {
 impl RunArgs {
     pub(super) fn run(&self) -> Result<(), CliError> {
         let job = self.check()?;
-        let (mailbox, inbox) = Inbox::with_mailbox();
-        let live = self.connect(mailbox)?;
-        let options = RunOptions {
+        let mut options = RunOptions {
             output: Some(job.output.clone()),
             threads: job.threads,
             stop: signals::stop_flag()?,
-            inbox,
-            live,
             pace: self.pace,
             wait_for_start: self.wait_for_start,
             ..RunOptions::default()
         };
+        #[cfg(feature = "iceoryx2")]
+        self.share(&mut options)?;
+        let waits = options.wait_for_start || options.pace == Pace::Lockstep;
+        if waits && options.live.is_empty() {
+            return Err(CliError::Input(
+                "nobody could start this run; let others in with --shm or --ros2".to_string(),
+            ));
+        }
         for warning in &job.warnings {
             eprintln!("warning: {warning}");
         }
@@ -114,35 +120,29 @@ impl RunArgs {
             other => other.into(),
         })?;
         if self.json {
-            #[allow(unused_mut)]
-            let mut json = summary::json(&job.scene, &job.warnings, &summary);
+            let json = summary::json(&job.scene, &job.warnings, &summary);
             #[cfg(feature = "ros2")]
-            ros2::add_json(&mut json, bridge.as_ref());
+            let json = ros2::with_bridge(json, bridge.as_ref());
             return output::print_json(&json);
         }
+        let text = summary::text(&job.scene, &summary);
         #[cfg(feature = "ros2")]
-        if let Some(report) = &bridge {
-            eprintln!("{}", ros2::text(report));
-        }
-        output::print(&summary::text(&job.scene, &summary))
+        let text = ros2::text_with_bridge(text, bridge.as_ref());
+        output::print(&text)
     }
 
-    /// Opens the run to others: live carriers by name, which post what they are told into the mailbox.
-    fn connect(&self, mailbox: Mailbox) -> Result<Vec<(String, Box<dyn Carrier>)>, CliError> {
-        #[cfg(feature = "iceoryx2")]
+    /// Shared memory, if asked for.
+    #[cfg(feature = "iceoryx2")]
+    fn share(&self, options: &mut RunOptions) -> Result<(), CliError> {
         if self.is_shared() {
+            let (mailbox, inbox) = Inbox::with_mailbox();
             let carrier =
                 SharedMemory::open(self.name.clone(), mailbox).map_err(NodeError::from)?;
-            return Ok(vec![("shared memory".to_string(), Box::new(carrier))]);
+            let carrier: Box<dyn Carrier> = Box::new(carrier);
+            options.inbox = inbox;
+            options.live.push(("shared memory".to_string(), carrier));
         }
-        // Nobody holds the mailbox: a run that starts paused would end at once.
-        drop(mailbox);
-        if self.wait_for_start || self.pace == Pace::Lockstep {
-            return Err(CliError::Input(
-                "nobody could start this run; let others in with --shm or --ros2".to_string(),
-            ));
-        }
-        Ok(vec![])
+        Ok(())
     }
 
     /// Whether others reach the run through shared memory; the bridge to ROS 2 is one of them.

@@ -63,7 +63,7 @@ fn a_hundred_thousand_hostile_payloads_change_nothing_and_are_all_counted() {
         told.iter()
             .all(|command| !command.accepted && !command.reason.is_empty())
     );
-    let dropped = summary["orders"]["dropped"].as_u64().unwrap();
+    let dropped = summary["commands"]["dropped"].as_u64().unwrap();
     assert_eq!(
         told.len() as u64 + dropped,
         counted("delivered"),

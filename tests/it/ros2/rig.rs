@@ -62,7 +62,6 @@ pub fn free_domain() -> u16 {
 pub struct Rig {
     run: Child,
     pub domain: u16,
-    pub name: String,
     directory: TempDir,
 }
 
@@ -87,7 +86,6 @@ impl Rig {
         let rig = Self {
             run,
             domain,
-            name,
             directory,
         };
         rig.bridge();

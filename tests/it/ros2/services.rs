@@ -120,9 +120,7 @@ fn the_verbs_of_simulators_work_as_services() {
     let request = cdr::encode(
         &toile::wire::messages::simulation_interfaces::GetSimulationStateRequest::default(),
     );
-    let answer = peer
-        .send(inlet, &request.unwrap(), PATIENCE)
-        .unwrap();
+    let answer = peer.send(inlet, &request.unwrap(), PATIENCE).unwrap();
     let answer: GetSimulationStateResponse = cdr::decode(&answer).unwrap();
     assert_eq!(answer.state.state, SimulationState::STATE_PAUSED);
     let (summary, _) = rig.stop();
