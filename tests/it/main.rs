@@ -30,6 +30,8 @@ mod refusal;
 mod refusal_of_air;
 mod replay;
 mod resume;
+#[cfg(feature = "ros2")]
+mod ros2;
 mod samples;
 mod scene;
 mod schema_reader;
