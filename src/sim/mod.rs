@@ -4,6 +4,7 @@ mod admit;
 mod apply;
 mod assembly;
 mod command;
+mod contacts;
 mod digest;
 mod dofs;
 mod implicit;
@@ -22,6 +23,7 @@ mod step;
 mod touch;
 
 pub use command::{AirRegion, Airflow, Command, Rejected};
+pub use contacts::ContactPoint;
 pub use dofs::Dofs;
 pub use model::{Model, Reading};
 pub use report::{Energies, StepReport, Work};

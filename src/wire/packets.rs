@@ -6,8 +6,8 @@ use super::cdr::{CdrError, encode};
 use super::channels::{self, Channel};
 use super::messages::{rosgraph_msgs::Clock, std_msgs::String as Text};
 use super::{
-    Counters, Message, cloud, markers, nanoseconds, report, robot_description, stamp, topology,
-    transforms,
+    Counters, Message, cloud, keyframe, markers, nanoseconds, report, robot_description, stamp,
+    topology, transforms,
 };
 use crate::contact::Obstacle;
 use crate::sim::{Model, State, StepReport};
@@ -49,14 +49,41 @@ pub(super) fn packet<M: Message>(
     })
 }
 
-/// What is said once, before the first state: mesh and shapes.
-pub fn preamble(model: &Model, obstacles: &[Obstacle]) -> Result<Vec<Packet>, CdrError> {
+/// A packet on the topic that an obstacle has of a channel.
+pub(super) fn packet_of<M: Message>(
+    obstacle: &Obstacle,
+    channel: &'static Channel,
+    time: f64,
+    message: &M,
+) -> Result<Packet, CdrError> {
+    Ok(Packet {
+        obstacle: Some(obstacle.name.clone()),
+        ..packet(channel, time, message)?
+    })
+}
+
+/// The obstacles' shapes, to be said again when one is added or taken away.
+pub fn description(obstacles: &[Obstacle], time: f64) -> Result<Packet, CdrError> {
     let urdf = Text {
         data: robot_description(obstacles),
     };
+    packet(&channels::ROBOT_DESCRIPTION, time, &urdf)
+}
+
+/// The whole state, with its digest, at a simulated time \[s\].
+pub fn kept(state: &State, digest: u64, time: f64) -> Result<Packet, CdrError> {
+    packet(
+        &channels::KEYFRAME,
+        time,
+        &keyframe::keyframe(state, digest, time),
+    )
+}
+
+/// What is said once, before the first state: mesh and shapes.
+pub fn preamble(model: &Model, obstacles: &[Obstacle]) -> Result<Vec<Packet>, CdrError> {
     Ok(vec![
         packet(&channels::TOPOLOGY, 0.0, &topology(&model.mesh))?,
-        packet(&channels::ROBOT_DESCRIPTION, 0.0, &urdf)?,
+        description(obstacles, 0.0)?,
     ])
 }
 

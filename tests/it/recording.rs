@@ -126,7 +126,7 @@ fn every_carrier_gets_the_bytes_of_the_file() {
             Rate::Once => 1,
             Rate::Output => 11, // steps 0, 2, ... 20
             Rate::Mesh => 4,    // steps 0, 8, 16, and the last
-            Rate::Event => 0,
+            Rate::Event | Rate::Second | Rate::Keyframe => 0,
         };
         assert_eq!(count, expected, "{}", channel.topic);
     }
