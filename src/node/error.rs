@@ -56,6 +56,14 @@ pub enum NodeError {
         /// States in the recording.
         count: usize,
     },
+    /// Somebody stopped a replay.
+    #[error("stopped after step {step} of {last}; the replay agrees up to there")]
+    ReplayStopped {
+        /// Steps taken.
+        step: u64,
+        /// Steps of the recording.
+        last: u64,
+    },
     /// The recorder thread ended without a word.
     #[error("the recorder thread panicked; the recording ends at its last complete chunk")]
     RecorderLost,

@@ -6,7 +6,7 @@ use std::thread::JoinHandle;
 use super::{Carrier, NodeError};
 use crate::contact::Obstacle;
 use crate::sim::{Model, State, StepReport};
-use crate::wire;
+use crate::wire::{self, Packet};
 
 /// Instants that may wait to be written. When they are all taken the step waits too: nothing is dropped.
 const QUEUE: usize = 4;
@@ -16,11 +16,20 @@ pub(super) struct Instant {
     pub state: State,
     pub report: StepReport,
     pub with_mesh: bool,
+    pub counters: wire::Counters,
+}
+
+/// What the loop says.
+pub(super) enum Said {
+    /// A state, to be encoded here.
+    Instant(Box<Instant>),
+    /// What is encoded already.
+    Packets(Vec<Packet>),
 }
 
 /// The sending end, and the thread.
 pub(super) struct Recorder {
-    sender: SyncSender<Instant>,
+    sender: SyncSender<Said>,
     thread: JoinHandle<Result<(), NodeError>>,
 }
 
@@ -39,9 +48,9 @@ impl Recorder {
         Ok(Self { sender, thread })
     }
 
-    /// Hands over an instant; false if the thread has ended, which [`finish`](Self::finish) explains.
-    pub fn publish(&self, instant: Instant) -> bool {
-        self.sender.send(instant).is_ok()
+    /// Hands something over; false if the thread has ended, which [`finish`](Self::finish) explains.
+    pub fn publish(&self, said: Said) -> bool {
+        self.sender.send(said).is_ok()
     }
 
     /// Waits until all is written and closed.
@@ -55,28 +64,33 @@ fn record(
     model: &Model,
     obstacles: &[Obstacle],
     mut carriers: Vec<Box<dyn Carrier>>,
-    receiver: &Receiver<Instant>,
+    receiver: &Receiver<Said>,
 ) -> Result<(), NodeError> {
     carry(&mut carriers, &wire::preamble(model, obstacles)?)?;
-    for Instant {
-        state,
-        report,
-        with_mesh,
-    } in receiver
-    {
-        let extras = wire::Extras {
-            with_mesh,
-            ..wire::Extras::default()
+    for said in receiver {
+        let packets = match said {
+            Said::Packets(packets) => packets,
+            Said::Instant(instant) => encode(model, &instant)?,
         };
-        carry(
-            &mut carriers,
-            &wire::instant(model, &state, &report, &extras)?,
-        )?;
+        carry(&mut carriers, &packets)?;
     }
     carriers.iter_mut().try_for_each(|carrier| carrier.close())
 }
 
-fn carry(carriers: &mut [Box<dyn Carrier>], packets: &[wire::Packet]) -> Result<(), NodeError> {
+fn encode(model: &Model, instant: &Instant) -> Result<Vec<Packet>, NodeError> {
+    let extras = wire::Extras {
+        with_mesh: instant.with_mesh,
+        counters: instant.counters,
+    };
+    Ok(wire::instant(
+        model,
+        &instant.state,
+        &instant.report,
+        &extras,
+    )?)
+}
+
+fn carry(carriers: &mut [Box<dyn Carrier>], packets: &[Packet]) -> Result<(), NodeError> {
     for carrier in carriers {
         packets
             .iter()

@@ -229,12 +229,14 @@ impl Touch {
             })
             .sum();
         let friction = Friction { bonds: &self.bonds };
-        let rough = self
+        let with_friction = self
             .proximities
             .iter()
             .filter(|near| self.has_friction(near));
-        let tangential: f64 = (0..friction.count())
-            .zip(rough)
+        // The explicit scheme has no bonds: it takes the work of its impulses into account itself.
+        let tangential: f64 = with_friction
+            .take(friction.count())
+            .enumerate()
             .map(|(s, near)| {
                 let pull: Vector3<f64> = friction
                     .gradient(s, &pick(nodes, &friction.nodes(s)))

@@ -4,8 +4,8 @@
 //! (rho/dt² + mu/2dt) x_(n+1) = f_n + 2 rho/dt² x_n - (rho/dt² - mu/2dt) x_(n-1)
 //! ```
 //!
-//! in its half-step velocity form, which gives the same positions. Slopes get a rotary inertia J just large enough that they do not
-//! lower that limit, and never above a thousandth of m h², so they follow the positions.
+//! in its half-step velocity form, which gives the same positions. Slopes get a rotary inertia J just large enough
+//! that they do not lower the stable limit, and never above a thousandth of m h², so they follow the positions.
 
 use nalgebra::Vector3;
 
@@ -121,7 +121,8 @@ impl Explicit {
             forces.copy_from_slice(&self.weight);
             self.kernel.add_forces(&nodes, &mut forces);
             if model.contact.is_some() {
-                self.contact(model, state, &nodes, (fastest, dt), &mut forces);
+                let motion = (fastest, dt);
+                self.contact(model, state, &nodes, motion, &mut forces);
             }
             if substep + 1 == count {
                 before_last.clone_from(&rates);
@@ -132,7 +133,7 @@ impl Explicit {
                 let taken = brake(model, law, &self.touch, masses, &nodes, &mut rates, dt);
                 state.ledger.friction += taken.friction;
                 state.ledger.damping += taken.contact;
-                state.ledger.supports += taken.obstacles;
+                state.ledger.supports += taken.work;
             }
         }
         // The half-step velocities around the end give velocity and acceleration there; the next run of substeps

@@ -18,15 +18,15 @@ use crate::sim::touch::Touch;
 /// Sweeps of friction over all contacts; one settles contacts that share no vertex.
 const SWEEPS: usize = 3;
 
-/// Energy that goes \[J\].
+/// Energy exchanged in a substep \[J\].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Taken {
     /// Taken out by contact that does not bounce.
     pub contact: f64,
     /// Taken out by friction.
     pub friction: f64,
-    /// Put in by obstacles that move.
-    pub obstacles: f64,
+    /// Put in by obstacles that move, against both \[J\].
+    pub work: f64,
 }
 
 /// A contact as the sweep needs it.
@@ -46,9 +46,9 @@ struct Grip {
     load: f64,
     /// Critical damping times dt \[kg\].
     damping: f64,
-    /// Normal impulse of the damping \[N·s\].
-    softening: f64,
-    /// Impulse of friction \[N·s\].
+    /// Of that damping \[N·s\].
+    braked: f64,
+    /// Of friction \[N·s\].
     impulse: Vector3<f64>,
 }
 
@@ -94,7 +94,8 @@ fn settle(grips: &mut [Grip], inverse_mass: &[Lanes], rates: &mut [Lanes]) -> Ta
             taken.friction += grip.tighten(inverse_mass, rates);
         }
     }
-    taken.obstacles = grips.iter().map(Grip::drive).sum();
+    let work = |grip: &Grip| grip.ground.dot(&(grip.impulse + grip.normal * grip.braked));
+    taken.work = grips.iter().map(work).sum();
     taken
 }
 
@@ -132,7 +133,7 @@ fn grips(
             friction: obstacle.friction,
             load: law.normal_force(near) * dt,
             damping: 2.0 * (stiffness / lightness).sqrt() * dt,
-            softening: 0.0,
+            braked: 0.0,
             impulse: Vector3::zeros(),
         });
     }
@@ -150,12 +151,6 @@ impl Grip {
             .map(|k| vector(&rates[self.vertices[k] as usize]) * self.weights[k])
             .sum();
         moving - self.ground
-    }
-
-    /// Work of the obstacle's motion on the sheet \[J\].
-    fn drive(&self) -> f64 {
-        self.ground
-            .dot(&(self.impulse + self.normal * self.softening))
     }
 
     /// Its tangential part \[m/s\].
@@ -180,7 +175,7 @@ impl Grip {
         let wanted = -self.damping * speed / (1.0 + self.damping * self.lightness);
         let impulse = wanted.max(-self.load);
         self.load += impulse;
-        self.softening = impulse;
+        self.braked = impulse;
         self.push(&(self.normal * impulse), inverse_mass, rates);
         -impulse * (speed + 0.5 * impulse * self.lightness)
     }
