@@ -15,8 +15,7 @@ const QUEUE: usize = 4;
 pub(super) struct Instant {
     pub state: State,
     pub report: StepReport,
-    pub with_mesh: bool,
-    pub counters: wire::Counters,
+    pub extras: wire::Extras,
 }
 
 /// What the loop says.
@@ -66,28 +65,23 @@ fn record(
     mut carriers: Vec<Box<dyn Carrier>>,
     receiver: &Receiver<Said>,
 ) -> Result<(), NodeError> {
-    carry(&mut carriers, &wire::preamble(model, obstacles)?)?;
+    let mut encoder = wire::Encoder::default();
+    carry(&mut carriers, &encoder.preamble(model, obstacles)?)?;
     for said in receiver {
         let packets = match said {
             Said::Packets(packets) => packets,
-            Said::Instant(instant) => encode(model, &instant)?,
+            Said::Instant(instant) => {
+                let Instant {
+                    state,
+                    report,
+                    extras,
+                } = *instant;
+                encoder.instant(model, &state, &report, extras)?
+            }
         };
         carry(&mut carriers, &packets)?;
     }
     carriers.iter_mut().try_for_each(|carrier| carrier.close())
-}
-
-fn encode(model: &Model, instant: &Instant) -> Result<Vec<Packet>, NodeError> {
-    let extras = wire::Extras {
-        with_mesh: instant.with_mesh,
-        counters: instant.counters,
-    };
-    Ok(wire::instant(
-        model,
-        &instant.state,
-        &instant.report,
-        &extras,
-    )?)
 }
 
 fn carry(carriers: &mut [Box<dyn Carrier>], packets: &[Packet]) -> Result<(), NodeError> {
