@@ -16,8 +16,7 @@ const QUEUE: usize = 4;
 pub(super) struct Instant {
     pub state: State,
     pub report: StepReport,
-    pub with_mesh: bool,
-    pub counters: wire::Counters,
+    pub extras: wire::Extras,
 }
 
 /// What the loop says.
@@ -69,15 +68,23 @@ fn record(
     mut carriers: Vec<Box<dyn Carrier>>,
     receiver: &Receiver<Said>,
 ) -> Result<(), NodeError> {
+    let mut encoder = wire::Encoder::default();
     let mut numbers = Numbers::default();
     carry(
         &mut carriers,
-        numbers.number(wire::preamble(model, obstacles)?),
+        numbers.number(encoder.preamble(model, obstacles)?),
     )?;
     for said in receiver {
         let packets = match said {
             Said::Packets(packets) => packets,
-            Said::Instant(instant) => encode(model, &instant)?,
+            Said::Instant(instant) => {
+                let Instant {
+                    state,
+                    report,
+                    extras,
+                } = *instant;
+                encoder.instant(model, &state, &report, extras)?
+            }
             Said::Answer(reply, bytes) => {
                 // Who no longer waits does not mind.
                 let _ = reply.send(bytes);
@@ -87,19 +94,6 @@ fn record(
         carry(&mut carriers, numbers.number(packets))?;
     }
     carriers.iter_mut().try_for_each(|carrier| carrier.close())
-}
-
-fn encode(model: &Model, instant: &Instant) -> Result<Vec<Packet>, NodeError> {
-    let extras = wire::Extras {
-        with_mesh: instant.with_mesh,
-        counters: instant.counters,
-    };
-    Ok(wire::instant(
-        model,
-        &instant.state,
-        &instant.report,
-        &extras,
-    )?)
 }
 
 /// Counts the messages of each topic, before any carrier can lose one: who misses some can tell.

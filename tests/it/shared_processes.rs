@@ -12,7 +12,7 @@ use tempfile::TempDir;
 use toile::node::shared_memory::{RunName, SharedMemory};
 use toile::node::{Carrier, Live, Mailbox};
 use toile::sim::StepReport;
-use toile::wire::{self, Extras};
+use toile::wire::{Encoder, Extras};
 
 use super::lab::{built_in, simulation};
 use super::python;
@@ -58,6 +58,7 @@ fn behind(child: &Child) -> u32 {
 struct Publisher {
     model: toile::sim::Model,
     state: toile::sim::State,
+    encoder: Encoder,
     carrier: Live,
     report: StepReport,
     due: Instant,
@@ -71,6 +72,7 @@ impl Publisher {
         Self {
             model: simulation.model().clone(),
             state: simulation.state().clone(),
+            encoder: Encoder::default(),
             carrier: Live::start("shared memory", Box::new(run)).unwrap(),
             report: simulation.report().clone(),
             due: Instant::now(),
@@ -81,7 +83,9 @@ impl Publisher {
     fn publish(&mut self) {
         self.due = (self.due + Duration::from_millis(1)).max(Instant::now());
         let extras = Extras::default();
-        let packets = wire::instant(&self.model, &self.state, &self.report, &extras).unwrap();
+        let encoder = &mut self.encoder;
+        let packets = encoder.instant(&self.model, &self.state, &self.report, extras);
+        let packets = packets.unwrap();
         // The queue before shared memory is for carriers that hang; here it is not to overflow.
         while self.carrier.gauge().waiting() > 32 {
             std::thread::sleep(Duration::from_micros(100));
