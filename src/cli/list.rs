@@ -117,6 +117,8 @@ fn messages() -> Vec<Entry> {
             channels::Rate::Output => "output.rate",
             channels::Rate::Mesh => "output.mesh_rate",
             channels::Rate::Event => "on event",
+            channels::Rate::Second => "every simulated second",
+            channels::Rate::Keyframe => "when asked for",
         };
         (
             [topic, name, rate].map(str::to_string).to_vec(),

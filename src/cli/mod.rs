@@ -14,6 +14,8 @@ mod output;
 mod progress;
 mod recover;
 mod replay;
+#[cfg(feature = "ros2")]
+mod ros2;
 mod run;
 mod scene;
 #[cfg(feature = "iceoryx2")]

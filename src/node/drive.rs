@@ -10,8 +10,8 @@ use super::pace::Pacer;
 use super::recorder::{Instant, Recorder, Said};
 use super::schedule::Schedule;
 use super::{Gauge, Inbox, NodeError, Orders};
-use crate::sim::{Simulation, StepReport};
-use crate::wire::{Counters, Packet};
+use crate::sim::{ContactPoint, Simulation, StepReport};
+use crate::wire::{self, Counters, Extras, Level, Packet};
 
 /// Orders taken at one boundary: a flood of them slows a run down but does not stop it.
 const MOST_ORDERS: usize = 64;
@@ -80,6 +80,11 @@ impl<'a> Drive<'a> {
         after_step: &mut dyn FnMut(&StepReport),
     ) -> Result<End, NodeError> {
         let end = self.advance(after_step);
+        if let Err(error) = &end {
+            let time = self.simulation.report().time;
+            self.said
+                .push(wire::log(Level::Error, &error.to_string(), time)?);
+        }
         self.publish_once();
         self.orders.dropped = self.inbox.dropped();
         self.interrupt()?;
@@ -181,10 +186,19 @@ impl<'a> Drive<'a> {
         self.open = self.recorder.publish(Said::Instant(Box::new(Instant {
             state: self.simulation.state().clone(),
             report: self.simulation.report().clone(),
-            with_mesh: self.schedule.with_mesh && with_mesh,
-            counters: self.counters(),
+            extras: Extras {
+                with_mesh: self.schedule.with_mesh && with_mesh,
+                with_keyframe: self.schedule.keyframe(step),
+                counters: self.counters(),
+                contacts: self.contacts(),
+            },
         })));
         self.published = Some(step);
+    }
+
+    fn contacts(&self) -> Option<Vec<ContactPoint>> {
+        let has_contact = self.simulation.model().contact.is_some();
+        has_contact.then(|| self.simulation.contacts())
     }
 
     fn counters(&self) -> Counters {

@@ -9,7 +9,7 @@ use super::{NodeError, Order};
 use crate::scene::Accept;
 use crate::sim::{Command, Rejected};
 use crate::wire::inbound::{self, Inlet, Outcome, Request};
-use crate::wire::{self, Packet};
+use crate::wire::{self, Level, Packet};
 
 /// Steps that somebody asked for and waits for.
 pub(super) struct Awaited {
@@ -199,6 +199,10 @@ impl Drive<'_> {
         let mut packet = wire::applied(order.inlet, &order.bytes, step, time, reason)?;
         packet.step = step;
         self.said.push(packet.clone());
+        if let Some(reason) = outcome.reason() {
+            let text = format!("{}: {reason}", order.inlet.name);
+            self.said.push(wire::log(Level::Warning, &text, time)?);
+        }
         Ok(packet)
     }
 }

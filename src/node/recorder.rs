@@ -1,5 +1,6 @@
 //! The recorder: a thread that encodes each instant once and hands the bytes to every carrier.
 
+use std::collections::BTreeMap;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
@@ -15,8 +16,7 @@ const QUEUE: usize = 4;
 pub(super) struct Instant {
     pub state: State,
     pub report: StepReport,
-    pub with_mesh: bool,
-    pub counters: wire::Counters,
+    pub extras: wire::Extras,
 }
 
 /// What the loop says.
@@ -68,36 +68,50 @@ fn record(
     mut carriers: Vec<Box<dyn Carrier>>,
     receiver: &Receiver<Said>,
 ) -> Result<(), NodeError> {
-    carry(&mut carriers, &wire::preamble(model, obstacles)?)?;
+    let mut encoder = wire::Encoder::default();
+    let mut numbers = Numbers::default();
+    carry(
+        &mut carriers,
+        numbers.number(encoder.preamble(model, obstacles)?),
+    )?;
     for said in receiver {
         let packets = match said {
             Said::Packets(packets) => packets,
-            Said::Instant(instant) => encode(model, &instant)?,
+            Said::Instant(instant) => {
+                let Instant {
+                    state,
+                    report,
+                    extras,
+                } = *instant;
+                encoder.instant(model, &state, &report, extras)?
+            }
             Said::Answer(reply, bytes) => {
                 // Who no longer waits does not mind.
                 let _ = reply.send(bytes);
                 continue;
             }
         };
-        carry(&mut carriers, &packets)?;
+        carry(&mut carriers, numbers.number(packets))?;
     }
     carriers.iter_mut().try_for_each(|carrier| carrier.close())
 }
 
-fn encode(model: &Model, instant: &Instant) -> Result<Vec<Packet>, NodeError> {
-    let extras = wire::Extras {
-        with_mesh: instant.with_mesh,
-        counters: instant.counters,
-    };
-    Ok(wire::instant(
-        model,
-        &instant.state,
-        &instant.report,
-        &extras,
-    )?)
+/// Counts the messages of each topic, before any carrier can lose one: who misses some can tell.
+#[derive(Default)]
+struct Numbers(BTreeMap<String, u64>);
+
+impl Numbers {
+    fn number(&mut self, mut packets: Vec<Packet>) -> Vec<Packet> {
+        for packet in &mut packets {
+            let next = self.0.entry(packet.topic().into_owned()).or_default();
+            packet.sequence = *next;
+            *next += 1;
+        }
+        packets
+    }
 }
 
-fn carry(carriers: &mut [Box<dyn Carrier>], packets: &[Packet]) -> Result<(), NodeError> {
+fn carry(carriers: &mut [Box<dyn Carrier>], packets: Vec<Packet>) -> Result<(), NodeError> {
     for carrier in carriers {
         packets
             .iter()

@@ -5,6 +5,7 @@ mod air;
 mod apply;
 mod assembly;
 mod command;
+mod contacts;
 mod digest;
 mod dofs;
 mod implicit;
@@ -24,6 +25,7 @@ mod touch;
 
 pub use air::Air;
 pub use command::{AirRegion, Airflow, Command, Rejected};
+pub use contacts::ContactPoint;
 pub use dofs::Dofs;
 pub use model::{Model, Reading};
 pub use report::{Energies, StepReport, Work};

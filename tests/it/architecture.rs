@@ -155,6 +155,8 @@ fn the_readme_describes_every_channel() {
             Rate::Output => "`output.rate`",
             Rate::Mesh => "`output.mesh_rate`",
             Rate::Event => "on event",
+            Rate::Second => "every simulated second",
+            Rate::Keyframe => "when asked for",
         };
         let row = format!(
             "| `{}` | `{}` | {rate} |",

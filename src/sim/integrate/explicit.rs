@@ -9,10 +9,11 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::impulse::brake;
+use super::impulse::{self, brake};
 use super::stable::{largest_frequency, rotary_inertia, slope_stiffness};
 use crate::contact::{Nearby, Obstacle};
 use crate::math::sparse::NO_SLOT;
+use crate::physics::contact::ContactLaw;
 use crate::physics::drag::Drag;
 use crate::physics::{Load, Potential};
 use crate::sim::air::Breeze;
@@ -164,6 +165,34 @@ impl Explicit {
         }
         state.history.dt = dt;
         self.touch.clone()
+    }
+
+    /// Normal force and friction \[N\] of each contact in the last substep, by key: the state holds the half-step
+    /// velocities around its end, so the substep can be taken once more.
+    pub fn loads(
+        &self,
+        model: &Model,
+        law: &ContactLaw,
+        state: &State,
+        touch: &Touch,
+        dt: f64,
+    ) -> Vec<(u64, f64, Vector3<f64>)> {
+        let nodes: Vec<Lanes> = state.nodes().iter().map(lanes).collect();
+        let past = &state.history.accelerations;
+        let accelerations = past.iter().map(lanes).chain(std::iter::repeat([0.0; 4]));
+        let rates = state.velocities.iter().chain(&state.slope_rates);
+        let mut rates: Vec<Lanes> = rates
+            .zip(accelerations)
+            .map(|(v, a)| add(lanes(v), scale(a, -0.5 * dt)))
+            .collect();
+        let mut forces = self.weight.clone();
+        self.kernel.add_forces(&nodes, &mut forces);
+        for (v, push) in touch.pushes(model, law, &state.positions) {
+            forces[v as usize] = add(forces[v as usize], lanes(&push));
+        }
+        self.kick(model, &mut rates, &forces, dt);
+        let masses = &self.inverse_mass;
+        impulse::loads(model, law, touch, masses, &nodes, &mut rates, dt)
     }
 
     /// Takes the rates from one half step to the next. Returns what damping took out \[J\].
