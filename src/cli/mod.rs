@@ -6,6 +6,7 @@
 #[cfg(feature = "ros2")]
 mod bridge;
 mod chart;
+mod commands;
 mod error;
 mod info;
 mod list;

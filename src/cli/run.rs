@@ -9,12 +9,12 @@ use clap::Args;
 use super::progress::Bar;
 #[cfg(feature = "ros2")]
 use super::ros2::{self, Ros2Args};
-use super::{CliError, output, signals, source, summary};
+use super::{CliError, commands, output, signals, source, summary};
 #[cfg(feature = "ros2")]
 use crate::node::ros2::Supervisor;
 #[cfg(feature = "iceoryx2")]
 use crate::node::shared_memory::{Counts, RunName, SharedMemory};
-use crate::node::{self, NodeError, Pace, RunOptions};
+use crate::node::{self, NodeError, Order, Pace, RunOptions};
 #[cfg(feature = "iceoryx2")]
 use crate::node::{Carrier, Inbox};
 use crate::scene::{Override, Scene, Warning};
@@ -57,6 +57,9 @@ pub(super) struct RunArgs {
     /// Start paused, until somebody says go.
     #[arg(long)]
     wait_for_start: bool,
+    /// Commands at set steps, a TOML file (see `toile list commands`).
+    #[arg(long, value_name = "FILE.toml")]
+    commands: Option<PathBuf>,
     /// Publish over shared memory, and take commands from there.
     #[cfg(feature = "iceoryx2")]
     #[arg(long)]
@@ -83,6 +86,8 @@ struct Job {
     warnings: Vec<Warning>,
     output: PathBuf,
     threads: usize,
+    /// Commands, each with the step after which it is due.
+    commands: Vec<(u64, Order)>,
 }
 
 impl RunArgs {
@@ -98,8 +103,9 @@ impl RunArgs {
         };
         #[cfg(feature = "iceoryx2")]
         let shared = self.share(&mut options)?;
+        options.inbox = options.inbox.scripted(job.commands);
         let waits = options.wait_for_start || options.pace == Pace::Lockstep;
-        if waits && options.live.is_empty() {
+        if waits && options.live.is_empty() && self.commands.is_none() {
             return Err(CliError::Input(
                 "nobody could start this run; let others in with --shm or --ros2".to_string(),
             ));
@@ -175,6 +181,10 @@ impl RunArgs {
             warnings,
             output,
             threads: usize::from(self.threads),
+            commands: match &self.commands {
+                Some(path) => commands::read(path)?,
+                None => vec![],
+            },
         })
     }
 

@@ -189,6 +189,7 @@ impl<'a> Drive<'a> {
             report: self.simulation.report().clone(),
             extras: Extras {
                 with_mesh: self.schedule.with_mesh && with_mesh,
+                with_keyframe: self.schedule.keyframe(step),
                 counters: self.counters(),
                 contacts: self.contacts(),
             },

@@ -196,7 +196,8 @@ impl Drive<'_> {
         let step = self.step();
         let time = step as f64 * self.simulation.model().scene.method.dt;
         let reason = outcome.reason().map_or(Ok(()), Err);
-        let packet = wire::applied(order.inlet, &order.bytes, step, time, reason)?;
+        let mut packet = wire::applied(order.inlet, &order.bytes, step, time, reason)?;
+        packet.step = step;
         self.said.push(packet.clone());
         if let Some(reason) = outcome.reason() {
             let text = format!("{}: {reason}", order.inlet.name);

@@ -6,6 +6,7 @@ mod architecture;
 mod byte_identity;
 mod charts;
 mod cli;
+mod cli_commands;
 mod cli_recordings;
 mod commands;
 mod consistency;
