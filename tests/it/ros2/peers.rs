@@ -71,7 +71,8 @@ impl<I: Iterator> TakeWhileInclusive for I {}
 
 #[test]
 fn commands_of_a_foreign_peer_take_effect_and_are_told_to_all() {
-    let mut rig = Rig::start(SCENE, &["--pace", "real"]);
+    let windy = SCENE.replace("[method]", "[air]\nfluid_damping = 1.0\n[method]");
+    let mut rig = Rig::start(&windy, &["--pace", "real"]);
     let mut applied = Talk::with(rig.peer("ros2_peer.py", 90).args(["applied", "3"]));
     assert_eq!(applied.line(), "ready");
     let send = |arguments: &[&str]| output(rig.peer("dds_peer.py", 60).args(arguments));

@@ -31,8 +31,6 @@ triangles = 150
 position = [0.0, 0.0, 0.001]
 [fabric]
 name = "F1"
-[air]
-fluid_damping = 1.0
 [obstacle.table]
 shape = { kind = "box", size = [0.1, 0.1, 0.1] }
 position = [0.0, 0.0, -0.05]
