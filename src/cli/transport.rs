@@ -22,7 +22,13 @@ pub(super) struct TransportArgs {
     #[arg(long, global = true)]
     shm: bool,
     /// Name of the run in shared memory.
-    #[arg(long = "name", id = "run_name", value_name = "NAME", global = true, default_value_t)]
+    #[arg(
+        long = "name",
+        id = "run_name",
+        value_name = "NAME",
+        global = true,
+        default_value_t
+    )]
     name: RunName,
     /// Reach it over ROS 2, on the domain of ROS_DOMAIN_ID.
     #[cfg(feature = "ros2")]
