@@ -23,13 +23,13 @@ const LOOK: Duration = Duration::from_millis(1);
 #[derive(Args)]
 pub(super) struct DomainArgs {
     /// Namespace of the ROS 2 node [default: /]; topics and services below /toile are in it.
-    #[arg(long, value_name = "/SPACE")]
+    #[arg(long, value_name = "/SPACE", global = true)]
     namespace: Option<String>,
     /// Speak on every network interface instead of the loopback alone. Whoever reaches the port can send commands.
-    #[arg(long)]
+    #[arg(long, global = true)]
     allow_lan: bool,
     /// How services tell requests apart, as the other side's middleware does [default: enhanced].
-    #[arg(long, value_name = "MAPPING", value_enum)]
+    #[arg(long, value_name = "MAPPING", value_enum, global = true)]
     service_mapping: Option<Mapping>,
 }
 

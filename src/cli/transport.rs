@@ -19,14 +19,20 @@ const LOOK: Duration = Duration::from_millis(20);
 #[derive(Args)]
 pub(super) struct TransportArgs {
     /// Reach it over shared memory, which is the default.
-    #[arg(long)]
+    #[arg(long, global = true)]
     shm: bool,
     /// Name of the run in shared memory.
-    #[arg(long, value_name = "NAME", default_value_t)]
+    #[arg(
+        long = "name",
+        id = "run_name",
+        value_name = "NAME",
+        global = true,
+        default_value_t
+    )]
     name: RunName,
     /// Reach it over ROS 2, on the domain of ROS_DOMAIN_ID.
     #[cfg(feature = "ros2")]
-    #[arg(long, conflicts_with_all = ["shm", "name"])]
+    #[arg(long, global = true, conflicts_with_all = ["shm", "run_name"])]
     ros2: bool,
     #[cfg(feature = "ros2")]
     #[command(flatten)]

@@ -79,7 +79,8 @@ impl Comparer {
         // A contact that hardly touches is there or not by the last bits.
         let may_fail = !self.strict && topic == CONTACTS.topic;
         let preamble = stamp < self.from;
-        !one_of(&NOT_JUDGED) && !(starts && one_of(&FROM_BEFORE)) && !may_fail && !preamble
+        let earlier = starts && one_of(&FROM_BEFORE);
+        !(one_of(&NOT_JUDGED) || earlier || may_fail || preamble)
     }
 
     fn with<T>(&self, action: impl FnOnce(&mut Verdict) -> T) -> T {

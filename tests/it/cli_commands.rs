@@ -153,6 +153,9 @@ fn a_session_with_live_commands_replays() {
         );
         assert_eq!(output.status.code(), Some(0), "{args:?}: {}", err(&output));
     };
+    let watch = ["watch", "state", "--count", "1", "--name", &name];
+    let output = toile(dir.path(), &[&watch[..], &["--timeout", "60"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
     send(&["step", "5"]);
     send(&["obstacle", "move", "table", "--velocity", "0,0,0.1"]);
     send(&["step", "4"]);

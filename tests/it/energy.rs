@@ -135,8 +135,9 @@ fn energy_of_a_strip_in_the_wind() {
 fn energy_is_counted_when_obstacles_move() {
     for (scheme, gain, loss) in [
         (Scheme::CentralDifference, 2e-2, 2e-2),
-        (Scheme::Bdf2, 2e-2, 0.3),
-        (Scheme::BackwardEuler, 2e-2, 1.0),
+        // The implicit schemes take out most of the shock with which the plate begins to move.
+        (Scheme::Bdf2, 2e-2, 1.5),
+        (Scheme::BackwardEuler, 2e-2, 1.5),
     ] {
         let mut simulation = simulation(&sheet(scheme, &["method.dt=1e-3", "damping=1.0"]));
         let mut worst = [0.0f64; 2];

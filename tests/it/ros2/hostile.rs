@@ -1,13 +1,14 @@
 //! A flood of what no well-behaved peer sends: nothing falls over, nothing changes, nothing goes uncounted.
 
+use std::ops::Range;
 use std::thread::sleep;
 use std::time::Duration;
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use toile::node::ros2::{Participant, Writer};
+use toile::node::ros2::{Participant, Peer, Writer};
 use toile::wire::cdr::{ENCAPSULATION, encode};
-use toile::wire::channels::Qos;
+use toile::wire::channels::{APPLIED, Qos};
 use toile::wire::inbound::{self, Inlet, InletKind};
 use toile::wire::messages::geometry_msgs::Vector3Stamped;
 use toile::wire::messages::toile_msgs::AppliedCommand;
@@ -21,25 +22,38 @@ const PAYLOADS: u64 = 100_000;
 fn a_hundred_thousand_hostile_payloads_change_nothing_and_are_all_counted() {
     let mut rig = Rig::start(SCENE, &["--pace", "real"]);
     let mut participant = Participant::join(&rig.settings()).unwrap();
-    let mut writers: Vec<_> = inbound::ALL
+    let writers: Vec<_> = inbound::ALL
         .iter()
         .filter(|inlet| inlet.kind == InletKind::Topic)
         .map(|inlet| connected(&mut participant, inlet))
         .collect();
     let mut draws = Pcg64Mcg::seed_from_u64(7);
     let count = writers.len() as u64;
-    for k in 0..PAYLOADS {
-        let writer = &mut writers[(k % count) as usize];
-        let payload = hostile(&mut draws);
-        // A full window is the writer's way to say that the bridge has not caught up.
-        wait("room for one more payload", || {
-            let sent = writer.write(&payload);
-            if !sent {
-                sleep(Duration::from_millis(1));
-            }
-            sent.then_some(())
-        });
+    let mut flood = |payloads: Range<u64>| {
+        for k in payloads {
+            let writer = &writers[(k % count) as usize];
+            let payload = hostile(&mut draws);
+            // A full window is the writer's way to say that the bridge has not caught up.
+            wait("room for one more payload", || {
+                let sent = writer.write(&payload);
+                if !sent {
+                    sleep(Duration::from_millis(1));
+                }
+                sent.then_some(())
+            });
+        }
+    };
+    // What is lost is seen from a writer's first message on.
+    let mut peer = Peer::join(rig.settings()).unwrap();
+    let mut applied = peer.subscribe(&APPLIED, APPLIED.topic).unwrap();
+    wait("the bridge to be there", || {
+        (applied.publishers() > 0).then_some(())
+    });
+    flood(0..count);
+    for _ in 0..count {
+        wait("the first of each writer to be rejected", || applied.take());
     }
+    flood(count..PAYLOADS);
     for writer in &writers {
         assert!(
             writer.acknowledged(Duration::from_secs(60)),

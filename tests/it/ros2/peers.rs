@@ -1,6 +1,7 @@
 //! What a peer sees that shares no code with toile.
 
 use std::collections::BTreeMap;
+use std::process::{Command, Stdio};
 
 use serde_json::Value;
 use toile::wire::channels::{self, Channel};
@@ -71,7 +72,8 @@ impl<I: Iterator> TakeWhileInclusive for I {}
 
 #[test]
 fn commands_of_a_foreign_peer_take_effect_and_are_told_to_all() {
-    let mut rig = Rig::start(SCENE, &["--pace", "real"]);
+    let windy = SCENE.replace("[method]", "[air]\nfluid_damping = 1.0\n[method]");
+    let mut rig = Rig::start(&windy, &["--pace", "real"]);
     let mut applied = Talk::with(rig.peer("ros2_peer.py", 90).args(["applied", "3"]));
     assert_eq!(applied.line(), "ready");
     let send = |arguments: &[&str]| output(rig.peer("dds_peer.py", 60).args(arguments));
@@ -195,4 +197,58 @@ fn the_graph_shows_the_node_with_all_its_topics_and_types() {
             );
         }
     }
+}
+
+#[test]
+fn the_command_line_reaches_a_run_over_ros_2() {
+    let mut rig = Rig::start(SCENE, &["--pace", "real"]);
+    let toile = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_toile"));
+        command.args(arguments).arg("--ros2").stdin(Stdio::null());
+        command.env("ROS_DOMAIN_ID", rig.domain.to_string());
+        let output = command.output().unwrap();
+        let said = [output.stdout, output.stderr].concat();
+        (output.status.code(), String::from_utf8(said).unwrap())
+    };
+    let (code, said) = toile(&[
+        "send",
+        "obstacle",
+        "move",
+        "table",
+        "--position",
+        "0.25,0,-0.5",
+    ]);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.starts_with("applied after step "), "{said}");
+    let (code, said) = toile(&["send", "obstacle", "remove", "nobody"]);
+    assert_eq!(code, Some(1), "{said}");
+    assert!(said.contains("nobody"), "{said}");
+    let (code, said) = toile(&["watch", "tf", "--count", "3", "--full"]);
+    assert_eq!(code, Some(0), "{said}");
+    let lines: Vec<Value> = said
+        .lines()
+        .filter_map(|line| serde_json::from_str(line).ok())
+        .collect();
+    assert_eq!(lines.len(), 3, "{said}");
+    for line in &lines {
+        let transform = &line["message"]["transforms"][0];
+        assert_eq!(transform["transform"]["translation"]["z"], -0.5, "{line}");
+        let stamp = &transform["header"]["stamp"];
+        let seconds = stamp["sec"].as_f64().unwrap() + 1e-9 * stamp["nanosec"].as_f64().unwrap();
+        assert!(
+            (line["time"].as_f64().unwrap() - seconds).abs() < 1e-6,
+            "{line}"
+        );
+    }
+    assert_eq!(
+        toile(&["send", "state"]),
+        (Some(0), "playing\n".to_string())
+    );
+    let (code, said) = toile(&["send", "quit"]);
+    assert_eq!(code, Some(0), "{said}");
+    let (summary, errors) = rig.finish();
+    assert_eq!(
+        summary["bridge"]["traffic"]["answered"], 2,
+        "{summary} {errors}"
+    );
 }

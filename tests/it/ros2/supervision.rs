@@ -8,8 +8,10 @@ use std::process::{Command, Stdio};
 use rustix::process::{Pid, Signal, kill_process, test_kill_process};
 use serde_json::Value;
 use tempfile::TempDir;
+use toile::node::ros2::Peer;
 use toile::scene::Scene;
 use toile::sim::Simulation;
+use toile::wire::channels::REPORT;
 use toile::wire::messages::toile_msgs::StepReport;
 
 use super::rig::{Rig, SCENE, Talk, output, recorded, wait};
@@ -77,6 +79,12 @@ fn a_forged_packet_that_wants_all_memory_costs_the_bridge_its_life_and_nothing_e
         limit.unwrap().contains(&(768u64 << 20).to_string()),
         "{limit:?}"
     );
+    // Packets that come before the bridge is ready go nowhere.
+    let mut peer = Peer::join(rig.settings()).unwrap();
+    let mut reports = peer.subscribe(&REPORT, REPORT.topic).unwrap();
+    wait("the bridge to be there", || {
+        (reports.publishers() > 0).then_some(())
+    });
     let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
     let port = 7410 + 250 * rig.domain;
     socket.send_to(&forged(), ("127.0.0.1", port)).unwrap();
