@@ -118,7 +118,7 @@ fn messages() -> Vec<Entry> {
             channels::Rate::Mesh => "output.mesh_rate",
             channels::Rate::Event => "on event",
             channels::Rate::Second => "every simulated second",
-            channels::Rate::Keyframe => "when asked for",
+            channels::Rate::Keyframe => "output.keyframe_interval",
         };
         (
             [topic, name, rate].map(str::to_string).to_vec(),

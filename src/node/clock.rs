@@ -41,8 +41,8 @@ const NAP: f64 = 0.05;
 pub struct Metronome {
     /// Simulated seconds per second of the wall.
     factor: f64,
-    /// Time of the watch at simulated time zero \[s\], had nothing been late; set by the first boundary.
-    zero: Option<f64>,
+    /// Time of the watch at simulated time zero \[s\], had nothing been late.
+    zero: f64,
     watch: Instant,
     lateness: Lateness,
 }
@@ -63,33 +63,27 @@ impl Metronome {
     pub fn new(factor: f64) -> Self {
         Self {
             factor,
-            zero: None,
+            zero: 0.0,
             watch: Instant::now(),
             lateness: Lateness::default(),
         }
     }
 
-    /// After a pause, time starts at the next boundary.
-    pub fn restart(&mut self) {
-        self.zero = None;
+    /// The run goes on from a simulated time \[s\] now; whatever passed on the wall before does not count.
+    pub fn restart(&mut self, time: f64) {
+        self.zero = self.watch.elapsed().as_secs_f64() - time / self.factor;
     }
 
     /// Sleeps until a boundary at a simulated time \[s\] is due, or `stopped`; counts it if it is late already.
     pub fn wait(&mut self, time: f64, stopped: &dyn Fn() -> bool) {
-        let now = self.watch.elapsed().as_secs_f64();
-        let scaled = time / self.factor;
-        let Some(zero) = self.zero else {
-            self.zero = Some(now - scaled);
-            return;
-        };
-        let due = zero + scaled;
-        let late = now - due;
+        let due = self.zero + time / self.factor;
+        let late = self.watch.elapsed().as_secs_f64() - due;
         if late > 0.0 {
             self.lateness.overruns += 1;
             self.lateness.worst = self.lateness.worst.max(late);
             if late > MOST_LAG {
                 self.lateness.slipped += late;
-                self.zero = Some(now - scaled);
+                self.zero += late;
             }
             return;
         }

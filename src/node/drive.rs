@@ -45,6 +45,8 @@ pub(super) struct Drive<'a> {
     pub said: Vec<Packet>,
     /// The step whose state was published last.
     pub published: Option<u64>,
+    /// Whether the pacer has followed the run since its last pause.
+    pub paced: bool,
     /// Whether the recorder still takes what is said.
     pub open: bool,
 }
@@ -70,6 +72,7 @@ impl<'a> Drive<'a> {
             awaited: None,
             said: vec![],
             published: None,
+            paced: false,
             open: true,
         }
     }
@@ -106,8 +109,9 @@ impl<'a> Drive<'a> {
             if stopped() || !self.serve()? || stopped() || halts {
                 return Ok(End::Stopped);
             }
+            self.follow();
             after_step(self.simulation.step()?);
-            if self.mode == Mode::Running {
+            if self.paced {
                 self.pacer.wait(self.simulation.report().time, &stopped);
             }
             if self.schedule.output(self.step()) && !stopped() {
@@ -146,8 +150,18 @@ impl<'a> Drive<'a> {
                 return Ok(false);
             }
         }
-        self.pacer.restart();
+        self.paced = false;
         Ok(true)
+    }
+
+    /// Steps that follow each other are paced, from where they begin; those that were asked for are not.
+    fn follow(&mut self) {
+        let runs = self.mode == Mode::Running;
+        if runs && !self.paced {
+            let dt = self.simulation.model().scene.method.dt;
+            self.pacer.restart(self.step() as f64 * dt);
+        }
+        self.paced = runs;
     }
 
     fn take_waiting(&mut self) -> Result<bool, NodeError> {

@@ -72,10 +72,10 @@ impl Pacer {
         }
     }
 
-    /// The run stood still; what passed on the wall does not count.
-    pub(super) fn restart(&mut self) {
+    /// The run goes on from a simulated time \[s\] now; whatever passed on the wall before does not count.
+    pub(super) fn restart(&mut self, time: f64) {
         if let Some(metronome) = &mut self.0 {
-            metronome.restart();
+            metronome.restart(time);
         }
     }
 

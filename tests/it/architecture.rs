@@ -157,7 +157,7 @@ fn the_readme_describes_every_channel() {
             Rate::Mesh => "`output.mesh_rate`",
             Rate::Event => "on event",
             Rate::Second => "every simulated second",
-            Rate::Keyframe => "when asked for",
+            Rate::Keyframe => "`output.keyframe_interval`",
         };
         let row = format!(
             "| `{}` | `{}` | {rate} |",

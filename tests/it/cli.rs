@@ -341,7 +341,7 @@ fn a_signal_ends_the_run_with_its_recording_closed() {
 }
 
 /// Sends a signal as a user would: with the system's own command.
-fn kill(process: u32, signal: i32) {
+pub fn kill(process: u32, signal: i32) {
     let status = Command::new("sh")
         .args(["-c", &format!("kill -{signal} {process}")])
         .status()

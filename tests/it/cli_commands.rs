@@ -182,3 +182,38 @@ fn a_session_with_live_commands_replays() {
     let output = toile(dir.path(), &["replay", "a.mcap", "--threads", "2"]);
     assert_eq!(output.status.code(), Some(0), "{}", err(&output));
 }
+
+/// A run that nobody has started yet ends at a signal like any other, its recording closed.
+#[cfg(feature = "iceoryx2")]
+#[test]
+fn a_signal_ends_a_paused_run_with_its_recording_closed() {
+    let dir = TempDir::new().unwrap();
+    let name = format!("paused-{}", std::process::id());
+    let run = [
+        "-o",
+        "a.mcap",
+        "--shm",
+        "--wait-for-start",
+        "--json",
+        "--name",
+        &name,
+    ];
+    let mut child = crate::cli::command(dir.path(), &[&DRAPE[..], &run].concat());
+    let child = child.stdout(std::process::Stdio::piped()).spawn().unwrap();
+    let said = toile(
+        dir.path(),
+        &["send", "state", "--name", &name, "--timeout", "60"],
+    );
+    assert!(crate::cli::out(&said).contains("paused"), "{}", err(&said));
+    crate::cli::kill(child.id(), signal_hook::consts::SIGTERM);
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    let summary: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(
+        (&summary["stopped"], &summary["steps"]),
+        (&json!(true), &json!(0))
+    );
+    crate::recording::assert_whole(&dir.path().join("a.mcap"));
+    let output = toile(dir.path(), &["replay", "a.mcap"]);
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+}

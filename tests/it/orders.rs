@@ -199,6 +199,26 @@ fn pause_stop_and_their_refusals() {
     assert!(summary.stopped && summary.time < 1000.0);
 }
 
+/// What passes on the wall while a run stands, or while it takes told steps, is no delay.
+#[test]
+fn a_pause_is_no_overrun() {
+    let mut slow = scene();
+    slow.duration = 0.3;
+    let session = Session::start(slow, Pace::Factor(0.1), Arc::default());
+    assert_eq!(session.set(SimulationState::STATE_PAUSED).result, Reply::OK);
+    thread::sleep(Duration::from_millis(300));
+    let start = std::time::Instant::now();
+    assert_eq!(session.step(50).result, Reply::OK);
+    // At a tenth of real time 50 steps of 5 ms would take 2.5 s.
+    assert!(start.elapsed() < Duration::from_secs(2));
+    assert_eq!(
+        session.set(SimulationState::STATE_PLAYING).result,
+        Reply::OK
+    );
+    let (summary, _) = session.finish();
+    assert!(summary.lateness.slipped < 0.1, "{:?}", summary.lateness);
+}
+
 #[test]
 fn a_pause_ends_the_steps_that_somebody_waits_for() {
     let mut long = scene();

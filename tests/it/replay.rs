@@ -19,7 +19,7 @@ use toile::wire::messages::sensor_msgs::PointCloud2;
 use toile::wire::messages::simulation_interfaces::{
     ResetSimulationRequest, SimulationState, StepSimulationRequest,
 };
-use toile::wire::messages::toile_msgs::{AppliedCommand, ObstacleCommand};
+use toile::wire::messages::toile_msgs::{AppliedCommand, Keyframe, ObstacleCommand};
 
 use crate::recording;
 use crate::session::{OBSTACLE, STATE, STEP, add_ball, move_to, order, wish};
@@ -29,6 +29,7 @@ pub fn scene() -> Scene {
     scene.sheet.triangles = Some(200);
     scene.accept = Some(vec![Accept::Obstacles]);
     scene.output.rate = 50.0;
+    scene.output.keyframe_interval = 0.02;
     scene
 }
 
@@ -306,6 +307,95 @@ fn another_processor_has_a_tolerance() {
     assert_eq!(far.difference.expect("found").step, 5);
     let nan = after(&path, nudge(f32::NAN), &ELSEWHERE);
     assert!(nan.difference.is_some());
+}
+
+/// Keyframes of steps 4, 8, ... 20: before, during and after a stretch of told steps, and after a reset.
+#[test]
+fn a_replay_may_start_at_any_keyframe() {
+    let (_directory, path) = recorded();
+    let kept = Recording::open(&path).expect("opens").keyframes();
+    assert_eq!(kept, [4, 8, 12, 16, 20]);
+    let whole = replayed(&path, 1);
+    for (from, start) in [
+        (0, 0),
+        (3, 0),
+        (4, 4),
+        (7, 4),
+        (8, 8),
+        (13, 12),
+        (19, 16),
+        (99, 20),
+    ] {
+        let options = ReplayOptions {
+            from: Some(from),
+            ..ReplayOptions::default()
+        };
+        let replay = replay(&path, &options, &mut |_| {}).expect("replays");
+        assert_eq!((replay.bits, replay.difference), (None, None), "{from}");
+        assert_eq!((replay.from, replay.to), (start, 20));
+        assert!(replay.states < whole.states || start == 0);
+        assert!(replay.states > 0);
+    }
+}
+
+/// From a keyframe after the change the replay does not see it; from one before it does.
+#[test]
+fn a_difference_is_seen_from_keyframes_before_it() {
+    let (_directory, path) = recorded();
+    let mut states = 0;
+    let bytes = changed(
+        &path,
+        |topic, bytes| {
+            states += u64::from(topic == "/toile/state");
+            // The states of steps 0, 4, 5, 8, 9, 12.
+            if topic == "/toile/state" && states == 5 {
+                // Within the velocity of the last vertex: the cloud ends with a flag.
+                let end = bytes.len() - 8;
+                bytes[end] ^= 1;
+            }
+        },
+        &[],
+    );
+    let tampered = path.with_file_name("tampered.mcap");
+    fs::write(&tampered, bytes).expect("write");
+    let from = |step| {
+        let options = ReplayOptions {
+            from: Some(step),
+            ..ReplayOptions::default()
+        };
+        replay(&tampered, &options, &mut |_| {}).expect("replays")
+    };
+    assert_eq!(from(8).difference.expect("found").step, 9);
+    assert_eq!(from(12).difference, None);
+}
+
+/// A keyframe whose state is not the one that its digest says.
+#[test]
+fn a_damaged_keyframe_is_refused() {
+    let (_directory, path) = recorded();
+    let damage = |topic: &str, bytes: &mut Vec<u8>| {
+        if topic == "/toile/keyframe" {
+            let mut keyframe: Keyframe = cdr::decode(bytes).expect("decodes");
+            keyframe.slopes[5] += 1e-15;
+            *bytes = cdr::encode(&keyframe).expect("encodes");
+        }
+    };
+    let tampered = path.with_file_name("tampered.mcap");
+    fs::write(&tampered, changed(&path, damage, &[])).expect("write");
+    let options = ReplayOptions {
+        from: Some(10),
+        ..ReplayOptions::default()
+    };
+    let error = replay(&tampered, &options, &mut |_| {}).expect_err("refused");
+    assert!(
+        error
+            .to_string()
+            .contains("digest of the keyframe of step 8"),
+        "{error}"
+    );
+    let faults = toile::node::verify(&tampered).expect("readable");
+    assert_eq!(faults.len(), 5, "{faults:?}");
+    assert!(faults[0].contains("/toile/keyframe at 0.02 s: its digest is another"));
 }
 
 #[test]
