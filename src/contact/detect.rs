@@ -105,6 +105,11 @@ pub struct Nearby {
 }
 
 impl Nearby {
+    /// The vertices that may be near, and all ends of the edges and corners of the faces that may be.
+    pub fn vertices(&self) -> &[u32] {
+        &self.vertices
+    }
+
     /// Collects the features that may be closer to `body` than `reach`; distance has Lipschitz constant 1.
     pub fn find(mesh: &Mesh, positions: &[Vector3<f64>], body: &Obstacle, reach: f64) -> Self {
         let local = body.all_to_local(positions.iter());

@@ -10,8 +10,10 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::impulse::{self, brake};
-use super::stable::{largest_frequency, rotary_inertia, slope_stiffness};
-use crate::contact::{Nearby, Obstacle};
+use super::stable::{
+    Limits, MARGIN, largest_frequency, layers, quickest, rotary_inertia, slope_stiffness,
+};
+use crate::contact::Nearby;
 use crate::math::sparse::NO_SLOT;
 use crate::physics::contact::ContactLaw;
 use crate::physics::drag::Drag;
@@ -28,8 +30,6 @@ pub const SAFETY: f64 = 0.95;
 const INERTIA_MARGIN: f64 = 4.0;
 /// Largest slope inertia, over m h²: what it adds to a wave of length w is of relative size (h/w)² of this.
 const MOST_INERTIA: f64 = 1e-3;
-/// How far the sheet may move against an obstacle before the features near it are collected anew \[m\].
-const MARGIN: f64 = 1e-3;
 
 /// The explicit integrator: constants and work space.
 pub struct Explicit {
@@ -40,8 +40,7 @@ pub struct Explicit {
     drag: Vec<f64>,
     /// m g \[N\], shape \[nodes\].
     weight: Vec<Lanes>,
-    /// Largest stable substep \[s\].
-    limit: f64,
+    limits: Limits,
     nearby: Vec<Nearby>,
     /// Relative motion that `nearby` still allows \[m\].
     allowance: f64,
@@ -54,12 +53,11 @@ impl Explicit {
         let kernel = Kernel::new(model);
         let vertices = model.masses.len();
         let mut inertia = model.masses.clone();
-        let stiffest = largest_frequency(model, nodes, &inertia);
+        let stiffest = largest_frequency(model, nodes, &inertia, 1);
         inertia.extend(slope_stiffness(model).iter().enumerate().map(|(e, k)| {
             let enough = INERTIA_MARGIN * k / stiffest.powi(2);
             enough.min(MOST_INERTIA * rotary_inertia(model, e))
         }));
-        let limit = 2.0 / largest_frequency(model, nodes, &inertia);
         let inverse = |(node, inertia): (usize, &f64)| {
             let index = model.dofs.index[node];
             let lane = |axis: usize| {
@@ -82,16 +80,24 @@ impl Explicit {
             inverse_mass: inertia.iter().enumerate().map(inverse).collect(),
             drag,
             weight,
-            limit,
+            limits: Limits::new(nodes, inertia),
             nearby: vec![],
             allowance: 0.0,
             touch: Touch::default(),
         }
     }
 
-    /// Largest stable substep \[s\].
-    pub fn limit(&self) -> f64 {
-        self.limit
+    /// Largest stable substep where the sheet touches one obstacle at a place \[s\].
+    pub fn limit(&mut self, model: &Model) -> f64 {
+        self.limits.under(model, 1)
+    }
+
+    /// The substep for a step of `span` from `state` \[s\]: the wanted one, or less where obstacles meet.
+    pub fn substep(&mut self, model: &Model, state: &State, wanted: f64, span: f64) -> f64 {
+        match layers(model, state, span) {
+            1 => wanted,
+            layers => wanted.min(SAFETY * self.limits.under(model, layers)),
+        }
     }
 
     /// Takes `count` substeps of `dt` and returns the contacts at the end.
@@ -265,7 +271,8 @@ impl Explicit {
         let positions: Vec<Vector3<f64>> = nodes[..model.masses.len()].iter().map(vector).collect();
         let start = state.obstacles.clone();
         state.obstacles.iter_mut().for_each(|o| o.advance(dt));
-        let quickest = quickest(&start, &positions);
+        let speeds = start.iter().map(|body| quickest(body, &positions));
+        let quickest = speeds.fold(0.0, f64::max);
         self.allowance -= (fastest + quickest) * dt;
         if self.allowance < 0.0 {
             let find = |body| Nearby::find(&model.mesh, &positions, body, law.offset + MARGIN);
@@ -296,18 +303,4 @@ fn drift(nodes: &mut [Lanes], rates: &[Lanes], dt: f64, vertices: usize) -> f64 
         }
     }
     fastest.sqrt()
-}
-
-/// Bound on the speed of the obstacles wherever they can meet the sheet \[m/s\].
-fn quickest(obstacles: &[Obstacle], positions: &[Vector3<f64>]) -> f64 {
-    let speed = |body: &Obstacle| {
-        let (linear, turn) = (body.velocity.linear.norm(), body.velocity.angular.norm());
-        if turn == 0.0 {
-            return linear;
-        }
-        let origin = body.pose.translation.vector;
-        let away = positions.iter().map(|p| (p - origin).norm_squared());
-        linear + turn * away.fold(0.0, f64::max).sqrt()
-    };
-    obstacles.iter().map(speed).fold(0.0, f64::max)
 }
