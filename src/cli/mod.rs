@@ -13,10 +13,14 @@ mod output;
 mod progress;
 mod recover;
 mod replay;
+#[cfg(feature = "ros2")]
+mod ros2;
 mod run;
 mod scene;
 #[cfg(feature = "iceoryx2")]
 mod send;
+#[cfg(feature = "iceoryx2")]
+mod shared;
 mod show;
 mod signals;
 mod source;

@@ -27,6 +27,8 @@ mod python;
 mod recording;
 mod refusal;
 mod replay;
+#[cfg(feature = "ros2")]
+mod ros2;
 mod samples;
 mod scene;
 mod schema_reader;
