@@ -1,16 +1,16 @@
 //! `toile run`: simulate a scene and record it.
 
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use clap::Args;
-use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::flag;
 
 use super::progress::Bar;
-use super::{CliError, output, source, summary};
-use crate::node::{self, NodeError, RunOptions};
+use super::{CliError, output, signals, source, summary};
+#[cfg(feature = "iceoryx2")]
+use crate::node::shared_memory::{RunName, SharedMemory};
+use crate::node::{self, NodeError, Pace, RunOptions};
+#[cfg(feature = "iceoryx2")]
+use crate::node::{Carrier, Inbox};
 use crate::scene::{Override, Scene, Warning};
 
 /// Arguments of `toile run`.
@@ -44,6 +44,21 @@ pub(super) struct RunArgs {
     /// Threads of the solver; the result does not depend on it.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: u16,
+    /// Simulated against wall time: free (as fast as possible), real, a factor such as 0.5, or lockstep (steps only
+    /// when told).
+    #[arg(long, value_name = "P", default_value_t = Pace::Free, allow_negative_numbers = true)]
+    pace: Pace,
+    /// Start paused, until somebody says go.
+    #[arg(long)]
+    wait_for_start: bool,
+    /// Publish over shared memory, and take commands from there.
+    #[cfg(feature = "iceoryx2")]
+    #[arg(long)]
+    shm: bool,
+    /// Name under which the run is found in shared memory.
+    #[cfg(feature = "iceoryx2")]
+    #[arg(long, value_name = "NAME", default_value_t, requires = "shm")]
+    name: RunName,
     /// A JSON object instead of the summary.
     #[arg(long)]
     json: bool,
@@ -60,12 +75,22 @@ struct Job {
 impl RunArgs {
     pub(super) fn run(&self) -> Result<(), CliError> {
         let job = self.check()?;
-        let options = RunOptions {
+        let mut options = RunOptions {
             output: Some(job.output.clone()),
             threads: job.threads,
-            stop: stop_flag()?,
+            stop: signals::stop_flag()?,
+            pace: self.pace,
+            wait_for_start: self.wait_for_start,
             ..RunOptions::default()
         };
+        #[cfg(feature = "iceoryx2")]
+        self.share(&mut options)?;
+        let waits = options.wait_for_start || options.pace == Pace::Lockstep;
+        if waits && options.live.is_empty() {
+            return Err(CliError::Input(
+                "nobody could start this run; let others in with --shm".to_string(),
+            ));
+        }
         for warning in &job.warnings {
             eprintln!("warning: {warning}");
         }
@@ -83,6 +108,20 @@ impl RunArgs {
             true => output::print_json(&summary::json(&job.scene, &job.warnings, &summary)),
             false => output::print(&summary::text(&job.scene, &summary)),
         }
+    }
+
+    /// Shared memory, if asked for.
+    #[cfg(feature = "iceoryx2")]
+    fn share(&self, options: &mut RunOptions) -> Result<(), CliError> {
+        if self.shm {
+            let (mailbox, inbox) = Inbox::with_mailbox();
+            let carrier =
+                SharedMemory::open(self.name.clone(), mailbox).map_err(NodeError::from)?;
+            let carrier: Box<dyn Carrier> = Box::new(carrier);
+            options.inbox = inbox;
+            options.live.push(("shared memory".to_string(), carrier));
+        }
+        Ok(())
     }
 
     /// Scene, overrides and options into a job that can be run.
@@ -117,17 +156,4 @@ impl RunArgs {
         }
         Ok(overrides)
     }
-}
-
-/// A flag that Ctrl-C and SIGTERM set, so that the run ends after the step at hand with its recording closed.
-/// A second signal ends the process at once.
-fn stop_flag() -> Result<Arc<AtomicBool>, CliError> {
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        // In this order, or the first signal would find the flag set already.
-        flag::register_conditional_shutdown(signal, 1, Arc::clone(&stop))
-            .and_then(|_| flag::register(signal, Arc::clone(&stop)))
-            .map_err(|error| CliError::Input(format!("cannot handle signals: {error}")))?;
-    }
-    Ok(stop)
 }

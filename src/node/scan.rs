@@ -15,6 +15,10 @@ pub(super) struct Message {
     pub topic: String,
     /// Simulated time \[ns\].
     pub stamp: u64,
+    /// Time of publication \[ns\], which should be the same.
+    pub published: u64,
+    /// Number of the message on its topic, from 1.
+    pub sequence: u32,
     /// CDR with its encapsulation header.
     pub bytes: Vec<u8>,
 }
@@ -81,6 +85,8 @@ impl Scan {
                     messages.push(Message {
                         topic: topic.clone(),
                         stamp: header.log_time,
+                        published: header.publish_time,
+                        sequence: header.sequence,
                         bytes: data.into_owned(),
                     });
                 }

@@ -4,7 +4,7 @@
 //! possible but unwise is left to warnings. `tests/it/scene.rs` holds this table against the serde types.
 
 use super::quantity::{Range, range};
-use super::ranges::{FRICTION, PLACE, SIZE, SPEED, TURN_RATE};
+use super::ranges::{FLUID_DAMPING, FRICTION, PLACE, SIZE, SPEED, TIME, TURN_RATE, WIND};
 
 /// One key of a table.
 pub(super) struct Key {
@@ -76,6 +76,7 @@ pub(super) const SCENE: &[Key] = &[
     need("fabric", Table(FABRIC)),
     may("support", Named(SUPPORT)),
     may("obstacle", Named(OBSTACLE)),
+    may("air", Table(AIR)),
     may("perturbation", Table(PERTURBATION)),
     may("method", Table(METHOD)),
     may("output", Table(OUTPUT)),
@@ -164,6 +165,17 @@ const SHAPE: &[(&str, &[Key])] = &[
         &[need("radius", Number(SIZE)), need("length", Number(SIZE))],
     ),
 ];
+
+const AIR: &[Key] = &[
+    need("fluid_damping", Number(FLUID_DAMPING)),
+    may("velocity", Vector(3, WIND)),
+    may("region", Table(AIR_REGION)),
+    may("rise", Number(TIME)),
+    may("start", Number(TIME)),
+    may("hold", Number(TIME)),
+];
+
+const AIR_REGION: &[Key] = &[need("min", Vector(3, PLACE)), need("max", Vector(3, PLACE))];
 
 const PERTURBATION: &[Key] = &[
     may("amplitude", Number(range(0.0, 0.1, "m"))),

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::air::Breeze;
 use super::assembly::{Assembly, pick};
 use super::integrate::{Map, Rule};
 use super::model::Model;
@@ -9,7 +10,8 @@ use super::state::State;
 use super::touch::{Before, Touch};
 use crate::math::cholesky::Cholesky;
 use crate::math::newton::{Limits, Outcome, Problem, Scratch, newton};
-use crate::physics::Potential;
+use crate::physics::drag::Drag;
+use crate::physics::{Load, Potential};
 
 /// Solver of implicit steps: all that is reused from step to step and is not state.
 pub struct Implicit {
@@ -30,6 +32,8 @@ pub struct Solved {
     pub nodes: Vec<Vector3<f64>>,
     /// Contacts there.
     pub touch: Touch,
+    /// Force of the air there \[N\], shape \[vertices\]; empty without air.
+    pub air: Vec<Vector3<f64>>,
     /// What Newton did.
     pub outcome: Outcome,
     /// Vertex with the largest residual force.
@@ -56,16 +60,21 @@ impl Implicit {
         self.scratch.forget();
     }
 
-    /// Solves the equations of one step of `dt` from `state`.
+    /// Solves the equations of a part of a step from `state`: it starts `within` the step and takes `dt`.
     pub fn solve(
         &mut self,
         model: &Model,
         state: &State,
         rule: Rule,
-        dt: f64,
+        (within, dt): (f64, f64),
         limits: &Limits,
     ) -> Solved {
         let map = rule.map(state, dt);
+        let moment = match rule {
+            // The length of a flow step is no time.
+            Rule::GradientFlow => within,
+            _ => within + map.fraction * dt,
+        };
         let mut touch = Touch {
             obstacles: state.obstacles.clone(),
             ..Touch::default()
@@ -93,6 +102,8 @@ impl Implicit {
             },
             map: &map,
             assembly: &mut self.assembly,
+            velocities: vec![Vector3::zeros(); model.masses.len()],
+            drag: Breeze::of(model, state).map(|breeze| breeze.at(moment)),
             touch,
             nodes: &mut self.nodes,
             forces: &mut self.forces,
@@ -108,11 +119,13 @@ impl Implicit {
         let mut r = vec![0.0; model.dofs.size];
         problem.residual(&self.z, &mut r);
         let worst = problem.worst();
+        let air = problem.air();
         let touch = problem.touch;
         Solved {
             nodes: self.nodes.clone(),
             map,
             touch,
+            air,
             outcome,
             worst,
         }
@@ -138,6 +151,8 @@ struct StepProblem<'a> {
     map: &'a Map,
     assembly: &'a mut Assembly,
     touch: Touch,
+    drag: Option<Drag<'a>>,
+    velocities: Vec<Vector3<f64>>,
     nodes: &'a mut Vec<Vector3<f64>>,
     forces: &'a mut Vec<Vector3<f64>>,
     /// Stress of each face for the geometric part of the tangent.
@@ -156,8 +171,14 @@ impl StepProblem<'_> {
             let x = self.nodes[v];
             let acceleration = x * map.alpha_a + map.b_a[v];
             let velocity = x * map.alpha_v + map.b_v[v];
-            self.forces[v] += acceleration * model.masses[v] - model.damping.force(v, &velocity)
+            self.forces[v] += acceleration * model.masses[v]
+                - model.damping.force(v, &[x], &[velocity])[0]
                 + model.gravity.gradient(v, &[x])[0];
+            self.velocities[v] = velocity;
+        }
+        let pushes = self.air();
+        for (force, push) in self.forces.iter_mut().zip(pushes) {
+            *force -= push;
         }
         if let Some(law) = &model.contact {
             let positions = &self.nodes[..model.masses.len()];
@@ -167,6 +188,12 @@ impl StepProblem<'_> {
                 self.forces[v as usize] -= push;
             }
         }
+    }
+
+    /// Force of the air at the current nodes; empty without air \[N\].
+    fn air(&self) -> Vec<Vector3<f64>> {
+        let forces = |drag: &Drag| drag.forces(self.nodes, &self.velocities);
+        self.drag.as_ref().map_or(vec![], forces)
     }
 
     /// Residual force of a node on its free components \[N\].
@@ -222,6 +249,17 @@ impl Problem for StepProblem<'_> {
             projection,
             values,
         );
+        if let Some(drag) = &self.drag {
+            // The derivative by position is not symmetric and stays out: the residual alone decides the solution.
+            for s in 0..drag.count() {
+                let stencil = drag.nodes(s);
+                let x = pick(self.nodes, &stencil);
+                let v = pick(&self.velocities, &stencil);
+                let matrix = drag.by_velocity(s, &x, &v);
+                let scaled = matrix.map(|row| row.map(|block| block * -self.map.alpha_v));
+                self.assembly.add_face(s as u32, &scaled, values);
+            }
+        }
         if let Some(law) = &self.model.contact {
             self.touch.tangent(
                 self.model,

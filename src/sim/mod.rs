@@ -1,6 +1,7 @@
 //! The simulation: a constant model, a state, and the only two ways to change it.
 
 mod admit;
+mod air;
 mod apply;
 mod assembly;
 mod command;
@@ -22,6 +23,7 @@ mod state;
 mod step;
 mod touch;
 
+pub use air::Air;
 pub use command::{AirRegion, Airflow, Command, Rejected};
 pub use contacts::ContactPoint;
 pub use dofs::Dofs;

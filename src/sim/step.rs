@@ -55,7 +55,8 @@ pub fn implicit_step(
     let mut touch = Touch::default();
     while done < TICKS {
         let dt = method.dt * f64::from(size) / f64::from(TICKS);
-        let solved = solver.solve(model, state, rule, dt, &limits);
+        let within = method.dt * f64::from(done) / f64::from(TICKS);
+        let solved = solver.solve(model, state, rule, (within, dt), &limits);
         count(&solved, report);
         if !solved.outcome.converged {
             if size == 1 {
@@ -90,15 +91,22 @@ fn count(solved: &Solved, report: &mut StepReport) {
 /// Takes the solved step and enters in the ledger what it exchanged.
 fn advance(model: &Model, state: &mut State, rule: Rule, solved: &Solved, dt: f64) {
     let power = model.damping.power(&state.velocities);
-    let work = solved
+    // Between the start of the step and where its forces are taken; the whole step is longer by the fraction.
+    let fraction = solved.map.fraction;
+    let pushed = solved
         .touch
-        .work_of_obstacles(model, &state.obstacles, &solved.nodes)
-        / solved.map.fraction;
+        .work_of_obstacles(model, &state.obstacles, &solved.nodes);
+    let blown: f64 = (solved.air.iter())
+        .zip(solved.nodes.iter().zip(&state.positions))
+        .map(|(force, (to, from))| force.dot(&(to - from)))
+        .sum();
     let slipped = take(state, rule, solved, dt);
     let power = power + model.damping.power(&state.velocities);
-    state.ledger.damping += 0.5 * dt * power;
-    state.ledger.friction += slipped;
-    state.ledger.supports += work;
+    let ledger = &mut state.ledger;
+    ledger.damping += 0.5 * dt * power;
+    ledger.friction += slipped;
+    ledger.supports += pushed / fraction;
+    ledger.air += blown / fraction;
 }
 
 /// Takes the state to the end of a solved step; returns the energy that slip took out \[J\].

@@ -9,7 +9,7 @@ use super::messages::geometry_msgs::{Point, Pose, Quaternion, Wrench, WrenchStam
 use super::messages::std_msgs::{ColorRGBA, Header};
 use super::messages::toile_msgs::{ContactEvent, ContactEvents};
 use super::messages::visualization_msgs::{Marker, MarkerArray};
-use super::obstacles::wire_vector;
+use super::obstacles::{wire_point, wire_vector};
 use super::packets::{Packet, packet, packet_of};
 use super::{channels, header};
 use crate::contact::Obstacle;
@@ -88,14 +88,6 @@ fn event(phase: u8, contact: &ContactPoint) -> ContactEvent {
         normal_force: contact.normal_force,
         friction_force: wire_vector(&contact.friction_force),
         slip_velocity: wire_vector(&contact.slip_velocity),
-    }
-}
-
-fn wire_point(p: &Vector3<f64>) -> Point {
-    Point {
-        x: p.x,
-        y: p.y,
-        z: p.z,
     }
 }
 

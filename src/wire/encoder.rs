@@ -78,6 +78,10 @@ impl Encoder {
             packets.push(diagnostics(step, &extras.counters)?);
             self.second = time.floor() + 1.0;
         }
+        for packet in &mut packets {
+            packet.step = step.step;
+            packet.digest = step.digest;
+        }
         Ok(packets)
     }
 

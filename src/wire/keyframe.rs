@@ -4,10 +4,10 @@ use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use super::inbound::Malformed;
 use super::messages::geometry_msgs;
-use super::messages::toile_msgs::{Keyframe, Obstacle as WireObstacle};
+use super::messages::toile_msgs::{Air as WireAir, Keyframe, Obstacle as WireObstacle};
 use super::{header, obstacles};
 use crate::contact::{Obstacle, Pose, Shape, Velocity};
-use crate::sim::{History, Ledger, Memory, State};
+use crate::sim::{Air, AirRegion, History, Ledger, Memory, State};
 
 /// A state with its digest, at its simulated time \[s\].
 pub fn keyframe(state: &State, digest: u64, time: f64) -> Keyframe {
@@ -34,9 +34,11 @@ pub fn keyframe(state: &State, digest: u64, time: f64) -> Keyframe {
         accelerations: flat(accelerations),
         bond_keys: bonds.map(|bond| bond.key).collect(),
         bond_offsets: flat(&offsets),
-        damping: state.ledger.damping,
-        friction: state.ledger.friction,
-        supports: state.ledger.supports,
+        air: air(&state.air),
+        ledger_damping: state.ledger.damping,
+        ledger_friction: state.ledger.friction,
+        ledger_supports: state.ledger.supports,
+        ledger_air: state.ledger.air,
     }
 }
 
@@ -63,6 +65,7 @@ pub fn state(keyframe: &Keyframe) -> Result<State, Malformed> {
         slopes: vectors("slopes", &keyframe.slopes)?,
         slope_rates: vectors("slope_rates", &keyframe.slope_rates)?,
         obstacles: obstacles?,
+        air: read_air(&keyframe.air),
         history: History {
             dt: keyframe.history_dt,
             positions: vectors("history_positions", &keyframe.history_positions)?,
@@ -71,9 +74,10 @@ pub fn state(keyframe: &Keyframe) -> Result<State, Malformed> {
         },
         bonds: bonds.map(|(&key, offset)| Memory { key, offset }).collect(),
         ledger: Ledger {
-            damping: keyframe.damping,
-            friction: keyframe.friction,
-            supports: keyframe.supports,
+            damping: keyframe.ledger_damping,
+            friction: keyframe.ledger_friction,
+            supports: keyframe.ledger_supports,
+            air: keyframe.ledger_air,
         },
     })
 }
@@ -90,6 +94,47 @@ fn vectors(field: &str, numbers: &[f64]) -> Result<Vec<Vector3<f64>>, Malformed>
             Err(Malformed::range(field, found, "must be three a vector"))
         }
     }
+}
+
+fn air(air: &Air) -> WireAir {
+    let corner = |of: fn(&AirRegion) -> Vector3<f64>| {
+        let v = air.region.as_ref().map_or(Vector3::zeros(), of);
+        obstacles::wire_point(&v)
+    };
+    WireAir {
+        fluid_damping: air.fluid_damping,
+        in_region: air.region.is_some(),
+        region_min: corner(|region| region.min),
+        region_max: corner(|region| region.max),
+        from: obstacles::wire_vector(&air.from),
+        to: obstacles::wire_vector(&air.to),
+        since: air.since,
+        delay: air.delay,
+        rise: air.rise,
+        ends: air.hold.is_some(),
+        hold: air.hold.unwrap_or_default(),
+    }
+}
+
+fn read_air(air: &WireAir) -> Air {
+    let corner = |p: &geometry_msgs::Point| Vector3::new(p.x, p.y, p.z);
+    Air {
+        fluid_damping: air.fluid_damping,
+        region: air.in_region.then(|| AirRegion {
+            min: corner(&air.region_min),
+            max: corner(&air.region_max),
+        }),
+        from: vector(&air.from),
+        to: vector(&air.to),
+        since: air.since,
+        delay: air.delay,
+        rise: air.rise,
+        hold: air.ends.then_some(air.hold),
+    }
+}
+
+fn vector(v: &geometry_msgs::Vector3) -> Vector3<f64> {
+    Vector3::new(v.x, v.y, v.z)
 }
 
 fn obstacle(obstacle: &Obstacle) -> WireObstacle {
@@ -128,7 +173,6 @@ fn read(obstacle: &WireObstacle) -> Result<Obstacle, Malformed> {
     let (p, q) = (&obstacle.pose.position, &obstacle.pose.orientation);
     // Normalising would change the last bit.
     let rotation = UnitQuaternion::new_unchecked(Quaternion::new(q.w, q.x, q.y, q.z));
-    let vector = |v: &geometry_msgs::Vector3| Vector3::new(v.x, v.y, v.z);
     Ok(Obstacle {
         name: obstacle.name.clone(),
         shape,

@@ -17,6 +17,10 @@ pub struct Packet {
     pub obstacle: Option<String>,
     /// Simulated time since the start of the run \[ns\].
     pub stamp: u64,
+    /// Step of the state that it speaks of; 0 for what is said once.
+    pub step: u64,
+    /// Digest of that state; 0 for what is said once.
+    pub digest: u64,
     /// CDR with its encapsulation header.
     pub bytes: Vec<u8>,
 }
@@ -41,6 +45,8 @@ pub(super) fn packet<M: Message>(
         channel,
         obstacle: None,
         stamp: nanoseconds(time),
+        step: 0,
+        digest: 0,
         bytes: encode(message)?,
     })
 }

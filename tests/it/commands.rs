@@ -419,11 +419,11 @@ fn a_state_that_does_not_fit_is_refused() {
     refused("slopes holds a value", &|s| s.slopes[3].y = f64::NAN);
     refused("history.dt holds", &|s| s.history.dt = f64::INFINITY);
     refused("from 0 to 10", &|s| s.obstacles[0].friction = 11.0);
-    refused("obstacles is not sorted", &|s| {
+    refused("obstacles is out of order", &|s| {
         let first = s.obstacles[0].clone();
         s.obstacles.push(first);
     });
-    refused("bonds is not sorted", &|s| s.obstacles.clear());
+    refused("bonds is out of order", &|s| s.obstacles.clear());
     let mut other = crate::lab::simulation(&sheet(Scheme::Bdf2, &["accept=[]"]));
     assert_eq!(other.resume(good), Err(Mismatch::NoContact));
 }

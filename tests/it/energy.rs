@@ -6,7 +6,9 @@ use crate::lab::{built_in, simulation};
 
 /// All that the ledger holds: constant if the scheme and the solver are exact \[J\].
 fn total(e: &Energies) -> f64 {
-    e.kinetic + e.stretch + e.bend + e.gravity + e.contact + e.damping + e.friction - e.supports
+    e.kinetic + e.stretch + e.bend + e.gravity + e.contact + e.damping + e.friction
+        - e.supports
+        - e.air
 }
 
 /// Steps to the end; drift of the ledger after each step over the largest kinetic energy so far.

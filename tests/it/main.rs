@@ -1,9 +1,11 @@
 //! The integration tests: one binary, a module per subject.
 
+mod air;
 mod architecture;
 mod byte_identity;
 mod charts;
 mod cli;
+mod cli_recordings;
 mod commands;
 mod consistency;
 mod contacts;
@@ -31,6 +33,10 @@ mod samples;
 mod scene;
 mod schema_reader;
 mod session;
+#[cfg(feature = "iceoryx2")]
+mod shared_memory;
+#[cfg(feature = "iceoryx2")]
+mod shared_processes;
 mod tidy;
 mod type_hashes;
 mod verify;

@@ -3,6 +3,7 @@
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::channel;
 use std::sync::{Arc, atomic::AtomicBool};
+use std::thread;
 use std::time::Duration;
 
 use toile::node::{Inbox, Memory, Order, Pace, RunOptions, run};
@@ -141,7 +142,7 @@ fn a_request_of_several_changes_is_taken_whole_or_not_at_all() {
         id: "pair".to_string(),
         operation: CollisionObject::ADD,
         primitives: vec![shape.clone(), shape],
-        primitive_poses: vec![pose(0.0, 0.0, 0.02), pose(0.0, 0.1, 0.02)],
+        primitive_poses: vec![pose(0.5, 0.2, 0.0), pose(0.5, 0.4, 0.0)],
         pose: pose(0.0, 0.0, 0.0),
         ..CollisionObject::default()
     };
@@ -166,6 +167,9 @@ fn pause_stop_and_their_refusals() {
     long.duration = 1000.0;
     let session = Session::start(long, Pace::Factor(1.0), Arc::default());
     assert_eq!(state(&session), SimulationState::STATE_PLAYING);
+    while session.heard::<StepReport>(&channels::REPORT).len() < 2 {
+        thread::sleep(Duration::from_millis(1));
+    }
     assert_eq!(session.step(1).result, Reply::OPERATION_FAILED);
     let code = |state| session.set(state).result;
     assert_eq!(

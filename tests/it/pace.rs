@@ -144,6 +144,8 @@ fn packet(channel: &'static Channel, stamp: u64) -> Packet {
         channel,
         obstacle: None,
         stamp,
+        step: 0,
+        digest: 0,
         bytes: vec![],
     }
 }

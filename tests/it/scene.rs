@@ -100,6 +100,7 @@ fn built_in_scenes_are_checked_and_survive_being_written() {
         library::names().collect::<Vec<_>>(),
         [
             "drape-table",
+            "drape-table-air",
             "free-fall",
             "cantilever",
             "four-edges",
@@ -172,6 +173,13 @@ ball = { shape = { kind = "sphere", radius = 0.1 }, linear_velocity = [0.1, 0.0,
 plate = { shape = { kind = "disc", radius = 0.1 }, angular_velocity = [0.0, 0.0, 1.0] }
 post = { shape = { kind = "cylinder", radius = 0.1, length = 0.2 }, friction = 0.2 }
 pill = { shape = { kind = "capsule", radius = 0.1, length = 0.2 } }
+[air]
+fluid_damping = 0.5
+velocity = [1.0, 0.0, -2.0]
+region = { min = [-1.0, -1.0, -1.0], max = [1.0, 1.0, 1.0] }
+rise = 0.1
+start = 0.2
+hold = 0.3
 [perturbation]
 amplitude = 1e-4
 seed = 9223372036854775807
