@@ -6,6 +6,7 @@
 #[cfg(feature = "ros2")]
 mod bridge;
 mod chart;
+mod commands;
 mod error;
 mod info;
 mod list;
@@ -13,6 +14,8 @@ mod output;
 mod progress;
 mod recover;
 mod replay;
+#[cfg(feature = "ros2")]
+mod ros2;
 mod run;
 mod scene;
 #[cfg(feature = "iceoryx2")]

@@ -13,6 +13,9 @@ use crate::node::{self, Replay, ReplayOptions, TOLERANCE};
 pub(super) struct ReplayArgs {
     /// The recording: an MCAP file or a bag directory.
     file: PathBuf,
+    /// Start from the last keyframe at or before this step instead of the beginning.
+    #[arg(long, value_name = "STEP")]
+    from: Option<u64>,
     /// Threads of the solver; the result does not depend on it.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: u16,
@@ -25,6 +28,7 @@ impl ReplayArgs {
     /// Prints the verdict; a difference is exit code 1.
     pub(super) fn run(&self) -> Result<(), CliError> {
         let options = ReplayOptions {
+            from: self.from,
             threads: usize::from(self.threads),
             stop: signals::stop_flag()?,
         };

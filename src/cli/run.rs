@@ -1,14 +1,20 @@
 //! `toile run`: simulate a scene and record it.
 
 use std::path::PathBuf;
+#[cfg(feature = "iceoryx2")]
+use std::sync::Arc;
 
 use clap::Args;
 
 use super::progress::Bar;
-use super::{CliError, output, signals, source, summary};
+#[cfg(feature = "ros2")]
+use super::ros2::{self, Ros2Args};
+use super::{CliError, commands, output, signals, source, summary};
+#[cfg(feature = "ros2")]
+use crate::node::ros2::Supervisor;
 #[cfg(feature = "iceoryx2")]
-use crate::node::shared_memory::{RunName, SharedMemory};
-use crate::node::{self, NodeError, Pace, RunOptions};
+use crate::node::shared_memory::{Counts, RunName, SharedMemory};
+use crate::node::{self, NodeError, Order, Pace, RunOptions};
 #[cfg(feature = "iceoryx2")]
 use crate::node::{Carrier, Inbox};
 use crate::scene::{Override, Scene, Warning};
@@ -51,14 +57,24 @@ pub(super) struct RunArgs {
     /// Start paused, until somebody says go.
     #[arg(long)]
     wait_for_start: bool,
+    /// Commands at set steps, a TOML file (see `toile list commands`).
+    #[arg(long, value_name = "FILE.toml")]
+    commands: Option<PathBuf>,
     /// Publish over shared memory, and take commands from there.
     #[cfg(feature = "iceoryx2")]
     #[arg(long)]
     shm: bool,
     /// Name under which the run is found in shared memory.
     #[cfg(feature = "iceoryx2")]
-    #[arg(long, value_name = "NAME", default_value_t, requires = "shm")]
+    #[arg(long, value_name = "NAME", default_value_t)]
     name: RunName,
+    /// The same on ROS 2, through a process of its own that reads and writes shared memory.
+    #[cfg(feature = "ros2")]
+    #[arg(long)]
+    ros2: bool,
+    #[cfg(feature = "ros2")]
+    #[command(flatten)]
+    bridge: Ros2Args,
     /// A JSON object instead of the summary.
     #[arg(long)]
     json: bool,
@@ -70,6 +86,8 @@ struct Job {
     warnings: Vec<Warning>,
     output: PathBuf,
     threads: usize,
+    /// Commands, each with the step after which it is due.
+    commands: Vec<(u64, Order)>,
 }
 
 impl RunArgs {
@@ -84,19 +102,24 @@ impl RunArgs {
             ..RunOptions::default()
         };
         #[cfg(feature = "iceoryx2")]
-        self.share(&mut options)?;
+        let shared = self.share(&mut options)?;
+        options.inbox = options.inbox.scripted(job.commands);
         let waits = options.wait_for_start || options.pace == Pace::Lockstep;
-        if waits && options.live.is_empty() {
+        if waits && options.live.is_empty() && self.commands.is_none() {
             return Err(CliError::Input(
-                "nobody could start this run; let others in with --shm".to_string(),
+                "nobody could start this run; let others in with --shm or --ros2".to_string(),
             ));
         }
         for warning in &job.warnings {
             eprintln!("warning: {warning}");
         }
+        #[cfg(feature = "ros2")]
+        let bridge = self.bridge.supervise(self.ros2, &self.name)?;
         let bar = Bar::new(&job.scene.name);
         let result = node::run(&job.scene, options, &mut |progress| bar.show(progress));
         drop(bar);
+        #[cfg(feature = "ros2")]
+        let bridge = bridge.map(Supervisor::finish);
         let summary = result.map_err(|error| match error {
             NodeError::Diverged(diverged) => CliError::Diverged {
                 diverged,
@@ -104,24 +127,46 @@ impl RunArgs {
             },
             other => other.into(),
         })?;
-        match self.json {
-            true => output::print_json(&summary::json(&job.scene, &job.warnings, &summary)),
-            false => output::print(&summary::text(&job.scene, &summary)),
+        if self.json {
+            #[allow(unused_mut)]
+            let mut json = summary::json(&job.scene, &job.warnings, &summary);
+            #[cfg(feature = "iceoryx2")]
+            if let Some(counts) = shared {
+                json["shared_memory"] = shared_memory(&counts);
+            }
+            #[cfg(feature = "ros2")]
+            let json = ros2::with_bridge(json, bridge.as_ref());
+            return output::print_json(&json);
         }
+        let text = summary::text(&job.scene, &summary);
+        #[cfg(feature = "ros2")]
+        let text = ros2::text_with_bridge(text, bridge.as_ref());
+        output::print(&text)
     }
 
     /// Shared memory, if asked for.
     #[cfg(feature = "iceoryx2")]
-    fn share(&self, options: &mut RunOptions) -> Result<(), CliError> {
-        if self.shm {
-            let (mailbox, inbox) = Inbox::with_mailbox();
-            let carrier =
-                SharedMemory::open(self.name.clone(), mailbox).map_err(NodeError::from)?;
-            let carrier: Box<dyn Carrier> = Box::new(carrier);
-            options.inbox = inbox;
-            options.live.push(("shared memory".to_string(), carrier));
+    fn share(&self, options: &mut RunOptions) -> Result<Option<Arc<Counts>>, CliError> {
+        if !self.is_shared() {
+            return Ok(None);
         }
-        Ok(())
+        let (mailbox, inbox) = Inbox::with_mailbox();
+        let carrier = SharedMemory::open(self.name.clone(), mailbox).map_err(NodeError::from)?;
+        let counts = carrier.counts();
+        let carrier: Box<dyn Carrier> = Box::new(carrier);
+        options.inbox = inbox;
+        options.live.push(("shared memory".to_string(), carrier));
+        Ok(Some(counts))
+    }
+
+    /// Whether others reach the run through shared memory; the bridge to ROS 2 is one of them.
+    #[cfg(feature = "iceoryx2")]
+    fn is_shared(&self) -> bool {
+        #[cfg(feature = "ros2")]
+        if self.ros2 {
+            return true;
+        }
+        self.shm
     }
 
     /// Scene, overrides and options into a job that can be run.
@@ -136,6 +181,10 @@ impl RunArgs {
             warnings,
             output,
             threads: usize::from(self.threads),
+            commands: match &self.commands {
+                Some(path) => commands::read(path)?,
+                None => vec![],
+            },
         })
     }
 
@@ -156,4 +205,23 @@ impl RunArgs {
         }
         Ok(overrides)
     }
+}
+
+/// What went through shared memory, for the JSON summary; what went wrong there as a warning.
+#[cfg(feature = "iceoryx2")]
+fn shared_memory(counts: &Counts) -> serde_json::Value {
+    let [published, dropped, received, refused] = counts.all();
+    if dropped > 0 {
+        let reason = counts.failure().unwrap_or_else(|| "no memory".to_string());
+        eprintln!("warning: {dropped} messages were not published over shared memory: {reason}");
+    }
+    if refused > 0 {
+        eprintln!("warning: {refused} of {received} requests over shared memory were refused");
+    }
+    serde_json::json!({
+        "published": published,
+        "dropped": dropped,
+        "received": received,
+        "refused": refused,
+    })
 }

@@ -68,11 +68,14 @@ enum What {
     },
 }
 
+/// Reads an answer.
+type Reader = Box<dyn Fn(&[u8]) -> Result<Answer, CdrError>>;
+
 /// A message for an inlet, and how to read what comes back.
 struct Parcel {
     inlet: &'static str,
     message: Result<Vec<u8>, CdrError>,
-    read: Box<dyn Fn(&[u8]) -> Result<Answer, CdrError>>,
+    read: Reader,
 }
 
 /// What became of it.

@@ -5,8 +5,11 @@ use std::time::{Duration, Instant};
 use clap::Args;
 
 use super::CliError;
+#[cfg(feature = "ros2")]
+use super::ros2::DomainArgs;
 use crate::node::NodeError;
 use crate::node::shared_memory::{Client, RunName, Subscription};
+use crate::wire::channels::Channel;
 use crate::wire::inbound::Inlet;
 
 /// How often a run is looked for that is not there.
@@ -16,11 +19,18 @@ const LOOK: Duration = Duration::from_millis(20);
 #[derive(Args)]
 pub(super) struct TransportArgs {
     /// Reach it over shared memory, which is the default.
-    #[arg(long)]
+    #[arg(long, global = true)]
     shm: bool,
     /// Name of the run in shared memory.
-    #[arg(long, value_name = "NAME", default_value_t)]
+    #[arg(long, value_name = "NAME", global = true, default_value_t)]
     name: RunName,
+    /// Reach it over ROS 2, on the domain of ROS_DOMAIN_ID.
+    #[cfg(feature = "ros2")]
+    #[arg(long, global = true, conflicts_with_all = ["shm", "name"])]
+    ros2: bool,
+    #[cfg(feature = "ros2")]
+    #[command(flatten)]
+    domain: DomainArgs,
 }
 
 /// A way to a running simulation.
@@ -34,8 +44,12 @@ pub(super) trait Transport {
         timeout: Duration,
     ) -> Result<Option<Vec<u8>>, CliError>;
 
-    /// Reads a topic from its latest message on, of the run that is there or comes.
-    fn watch(self: Box<Self>, topic: &str) -> Result<Box<dyn Source>, CliError>;
+    /// Reads a topic of a channel from its latest message on, of the run that is there or comes.
+    fn watch(
+        self: Box<Self>,
+        channel: &'static Channel,
+        topic: &str,
+    ) -> Result<Box<dyn Source>, CliError>;
 }
 
 /// Messages of one topic.
@@ -61,6 +75,11 @@ pub(super) struct Seen {
 impl TransportArgs {
     /// The way that was asked for.
     pub(super) fn open(&self) -> Result<Box<dyn Transport>, CliError> {
+        #[cfg(feature = "ros2")]
+        match self.ros2 {
+            true => return self.domain.open(),
+            false => self.domain.refuse_any()?,
+        }
         let client = Client::new(self.name.clone()).map_err(NodeError::from)?;
         Ok(Box::new(SharedMemory(client)))
     }
@@ -79,7 +98,11 @@ impl Transport for SharedMemory {
         Ok(Some(answer.map_err(NodeError::from)?))
     }
 
-    fn watch(self: Box<Self>, topic: &str) -> Result<Box<dyn Source>, CliError> {
+    fn watch(
+        self: Box<Self>,
+        _: &'static Channel,
+        topic: &str,
+    ) -> Result<Box<dyn Source>, CliError> {
         Ok(Box::new(SharedTopic {
             subscription: self.0.subscribe(topic),
             client: self.0,

@@ -51,7 +51,7 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
 impl WatchArgs {
     pub(super) fn run(&self) -> Result<(), CliError> {
         let (topic, channel) = find(&self.channel)?;
-        let mut source = self.transport.open()?.watch(&topic)?;
+        let mut source = self.transport.open()?.watch(channel, &topic)?;
         let stop = signals::stop_flag()?;
         let mut out = BufWriter::new(io::stdout().lock());
         let (mut count, mut missed) = (0, 0);

@@ -9,7 +9,10 @@ use super::difference::{Difference, What};
 use super::scan::{Message, Scan};
 use super::{Carrier, NodeError};
 use crate::wire::cdr::decode;
-use crate::wire::channels::{APPLIED, Channel, MESH, REPORT, STATE, TF};
+use crate::wire::channels::{
+    APPLIED, CONTACT_MARKERS, CONTACTS, Channel, DIAGNOSTICS, LOG, MESH, REPORT, ROBOT_DESCRIPTION,
+    STATE, TF,
+};
 use crate::wire::messages::sensor_msgs::PointCloud2;
 use crate::wire::messages::tf2_msgs::TFMessage;
 use crate::wire::messages::toile_msgs::{AppliedCommand, StepReport};
@@ -38,6 +41,8 @@ pub(super) struct Comparer {
     pub recorded: Scan,
     /// Whether every bit must be the same; if not, what has a [`TOLERANCE`].
     pub strict: bool,
+    /// Time at which the replay starts \[ns\].
+    pub from: u64,
     /// Step of the run \[s\].
     pub dt: f64,
     pub verdict: Arc<Mutex<Verdict>>,
@@ -47,13 +52,10 @@ pub(super) struct Comparer {
     pub ended: bool,
 }
 
-/// Whether the messages of a topic follow from scene and commands alone and say more than others: not those that
-/// depend on the wall, nor drawings of the state.
-fn is_judged(topic: &str) -> bool {
-    let drawn = [MESH.topic, "/toile/contact_markers"];
-    let said = ["/diagnostics", "/rosout"];
-    !drawn.contains(&topic) && !said.contains(&topic)
-}
+/// What depends on the wall, or draws the state.
+const NOT_JUDGED: [&Channel; 4] = [&MESH, &CONTACT_MARKERS, &DIAGNOSTICS, &LOG];
+/// What is said when it is others than before: at the first instant of a replay there is no before.
+const FROM_BEFORE: [&Channel; 2] = [&CONTACTS, &ROBOT_DESCRIPTION];
 
 /// Whether a distance is more than another; one that is not a number is more than any.
 fn further(distance: f64, other: f64) -> bool {
@@ -63,11 +65,22 @@ fn further(distance: f64, other: f64) -> bool {
 impl Comparer {
     fn next_recorded(&mut self) -> Result<Option<Message>, NodeError> {
         while let Some(message) = self.recorded.next()? {
-            if is_judged(&message.topic) {
+            if self.is_judged(&message.topic, message.stamp) {
                 return Ok(Some(message));
             }
         }
         Ok(None)
+    }
+
+    /// Whether a message follows from scene and commands alone and says more than others do.
+    fn is_judged(&self, topic: &str, stamp: u64) -> bool {
+        let one_of = |channels: &[&Channel]| channels.iter().any(|c| c.topic == topic);
+        let starts = self.from > 0 && stamp <= self.from;
+        // A contact that hardly touches is there or not by the last bits.
+        let may_fail = !self.strict && topic == CONTACTS.topic;
+        let preamble = stamp < self.from;
+        let earlier = starts && one_of(&FROM_BEFORE);
+        !(one_of(&NOT_JUDGED) || earlier || may_fail || preamble)
     }
 
     fn with<T>(&self, action: impl FnOnce(&mut Verdict) -> T) -> T {
@@ -236,7 +249,7 @@ impl Comparer {
 
 impl Carrier for Comparer {
     fn publish(&mut self, packet: &Packet) -> Result<(), NodeError> {
-        if self.ended || !is_judged(&packet.topic()) {
+        if self.ended || !self.is_judged(&packet.topic(), packet.stamp) {
             return Ok(());
         }
         match self.next_recorded()? {

@@ -136,7 +136,8 @@ impl<'a> Drive<'a> {
         }
         while self.mode.stands() && !self.stop.load(Ordering::Relaxed) && self.open {
             let goes_on = match self.inbox.wait(self.step(), NAP) {
-                Waited::Order(order) => self.perform(order)?,
+                // What came with it is published with it.
+                Waited::Order(order) => self.perform(order)? && self.take_waiting()?,
                 Waited::Nothing => true,
                 Waited::Nobody => false,
             };
@@ -188,6 +189,7 @@ impl<'a> Drive<'a> {
             report: self.simulation.report().clone(),
             extras: Extras {
                 with_mesh: self.schedule.with_mesh && with_mesh,
+                with_keyframe: self.schedule.keyframe(step),
                 counters: self.counters(),
                 contacts: self.contacts(),
             },

@@ -3,7 +3,7 @@
 use super::inventory::channel_of;
 use super::scan::Message;
 use crate::wire::cdr::{decode, encode};
-use crate::wire::channels::{APPLIED, REPORT, STATE, TOPOLOGY};
+use crate::wire::channels::{APPLIED, KEYFRAME, REPORT, STATE, TOPOLOGY};
 use crate::wire::messages::rcl_interfaces::Log;
 use crate::wire::messages::sensor_msgs::PointCloud2;
 use crate::wire::messages::std_msgs::{Header, String as Text};
@@ -88,6 +88,13 @@ impl Checker {
             stamped(message, &report.header)?;
             if report.digest == 0 {
                 return Err("there is no digest".to_string());
+            }
+        } else if message.is(KEYFRAME.topic) {
+            let keyframe: Keyframe = decoded(bytes)?;
+            stamped(message, &keyframe.header)?;
+            let state = wire::keyframe::state(&keyframe).map_err(|error| error.to_string())?;
+            if state.digest() != keyframe.digest {
+                return Err("its digest is another".to_string());
             }
         } else if message.is(APPLIED.topic) {
             let applied: AppliedCommand = decoded(bytes)?;

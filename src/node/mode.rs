@@ -1,6 +1,6 @@
 //! Whether a run goes on or stands, and how orders change that.
 
-use crate::wire::inbound::{Outcome, RunState};
+use crate::wire::inbound::{Outcome, Request, RunState};
 
 /// Whether a run goes on or stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,6 +65,19 @@ impl Mode {
             true => self.turn(Mode::Stepping { until }),
             false => Outcome::WrongState(self.state()),
         }
+    }
+
+    /// After a request that was accepted when `step` had been taken.
+    pub(super) fn after(mut self, request: &Request, step: u64) -> Mode {
+        match request {
+            Request::Pause => drop(self.pause()),
+            Request::Resume => drop(self.resume()),
+            Request::Step(count) => drop(self.go(step, *count)),
+            Request::Stop { .. } => self = Mode::Stopped,
+            Request::Features | Request::GetState | Request::GetEntity { .. } => {}
+            Request::Command(_) | Request::Object(_) | Request::Spawn { .. } => self.touched(),
+        }
+        self
     }
 
     /// The world was changed: it is no longer as at the start.

@@ -4,6 +4,7 @@ use std::sync::mpsc::Sender;
 
 use super::drive::Drive;
 use super::mode::Mode;
+use super::recorder::Said;
 use super::{NodeError, Order};
 use crate::scene::Accept;
 use crate::sim::{Command, Rejected};
@@ -174,8 +175,9 @@ impl Drive<'_> {
 
     fn release(&mut self, outcome: &Outcome) -> Result<(), NodeError> {
         if let Some(awaited) = self.awaited.take() {
-            // Who no longer waits does not mind.
-            let _ = awaited.reply.send(inbound::answer(awaited.inlet, outcome)?);
+            let answer = inbound::answer(awaited.inlet, outcome)?;
+            // By way of the recorder: when it comes, the state is published.
+            self.open &= self.recorder.publish(Said::Answer(awaited.reply, answer));
         }
         Ok(())
     }
@@ -194,7 +196,8 @@ impl Drive<'_> {
         let step = self.step();
         let time = step as f64 * self.simulation.model().scene.method.dt;
         let reason = outcome.reason().map_or(Ok(()), Err);
-        let packet = wire::applied(order.inlet, &order.bytes, step, time, reason)?;
+        let mut packet = wire::applied(order.inlet, &order.bytes, step, time, reason)?;
+        packet.step = step;
         self.said.push(packet.clone());
         if let Some(reason) = outcome.reason() {
             let text = format!("{}: {reason}", order.inlet.name);

@@ -1,6 +1,7 @@
 //! The recorder: a thread that encodes each instant once and hands the bytes to every carrier.
 
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::collections::BTreeMap;
+use std::sync::mpsc::{Receiver, Sender, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
 use super::{Carrier, NodeError};
@@ -24,6 +25,8 @@ pub(super) enum Said {
     Instant(Box<Instant>),
     /// What is encoded already.
     Packets(Vec<Packet>),
+    /// An answer that somebody waits for; it follows all that was said before.
+    Answer(Sender<Vec<u8>>, Vec<u8>),
 }
 
 /// The sending end, and the thread.
@@ -66,7 +69,11 @@ fn record(
     receiver: &Receiver<Said>,
 ) -> Result<(), NodeError> {
     let mut encoder = wire::Encoder::default();
-    carry(&mut carriers, &encoder.preamble(model, obstacles)?)?;
+    let mut numbers = Numbers::default();
+    carry(
+        &mut carriers,
+        numbers.number(encoder.preamble(model, obstacles)?),
+    )?;
     for said in receiver {
         let packets = match said {
             Said::Packets(packets) => packets,
@@ -78,13 +85,33 @@ fn record(
                 } = *instant;
                 encoder.instant(model, &state, &report, extras)?
             }
+            Said::Answer(reply, bytes) => {
+                // Who no longer waits does not mind.
+                let _ = reply.send(bytes);
+                continue;
+            }
         };
-        carry(&mut carriers, &packets)?;
+        carry(&mut carriers, numbers.number(packets))?;
     }
     carriers.iter_mut().try_for_each(|carrier| carrier.close())
 }
 
-fn carry(carriers: &mut [Box<dyn Carrier>], packets: &[Packet]) -> Result<(), NodeError> {
+/// Counts the messages of each topic, before any carrier can lose one: who misses some can tell.
+#[derive(Default)]
+struct Numbers(BTreeMap<String, u64>);
+
+impl Numbers {
+    fn number(&mut self, mut packets: Vec<Packet>) -> Vec<Packet> {
+        for packet in &mut packets {
+            let next = self.0.entry(packet.topic().into_owned()).or_default();
+            packet.sequence = *next;
+            *next += 1;
+        }
+        packets
+    }
+}
+
+fn carry(carriers: &mut [Box<dyn Carrier>], packets: Vec<Packet>) -> Result<(), NodeError> {
     for carrier in carriers {
         packets
             .iter()

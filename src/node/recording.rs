@@ -14,12 +14,13 @@ use super::scan::{Message, Scan, Topics};
 use super::{About, NodeError};
 use crate::contact::Obstacle;
 use crate::scene::Scene;
+use crate::sim::State;
 use crate::wire::cdr::decode;
-use crate::wire::channels::{APPLIED, STATE, TF, TOPOLOGY};
+use crate::wire::channels::{APPLIED, KEYFRAME, STATE, TF, TOPOLOGY};
 use crate::wire::messages::sensor_msgs::PointCloud2;
 use crate::wire::messages::tf2_msgs::TFMessage;
-use crate::wire::messages::toile_msgs::{AppliedCommand, MeshTopology};
-use crate::wire::{self, cloud};
+use crate::wire::messages::toile_msgs::{AppliedCommand, Keyframe, MeshTopology};
+use crate::wire::{self, cloud, keyframe};
 
 /// A recording on disk, whole or cut short; states are read when asked for.
 pub struct Recording {
@@ -33,6 +34,8 @@ pub struct Recording {
     chunks: Vec<Span>,
     /// Time \[ns\] and chunk of each state.
     states: Vec<(u64, Span)>,
+    /// Time \[ns\] and chunk of each keyframe.
+    keyframes: Vec<(u64, Span)>,
     commands: Vec<AppliedCommand>,
     cast: Cast,
     /// Time of the last message \[ns\].
@@ -68,13 +71,15 @@ impl Recording {
         let scene: Scene = scene.ok_or_else(|| missing("scene"))?;
         let chunks: Vec<_> = spans.into_iter().filter(|s| s.op == op::CHUNK).collect();
         let mut scan = Scan::new(&path, chunks.clone(), Topics::new())?;
-        let (mut topology, mut states, mut commands, mut end) = (None, vec![], vec![], 0);
+        let (mut topology, mut commands, mut end) = (None, vec![], 0);
+        let (mut states, mut keyframes) = (vec![], vec![]);
         while let Some((span, messages)) = scan.next_chunk()? {
             for message in messages {
                 end = end.max(message.stamp);
                 match message.topic.as_str() {
                     topic if topic == TOPOLOGY.topic => topology = Some(message.bytes),
                     topic if topic == STATE.topic => states.push((message.stamp, span)),
+                    topic if topic == KEYFRAME.topic => keyframes.push((message.stamp, span)),
                     topic if topic == APPLIED.topic => commands.push(decode(&message.bytes)?),
                     _ => {}
                 }
@@ -88,6 +93,7 @@ impl Recording {
             topics: scan.topics().clone(),
             chunks,
             states,
+            keyframes,
             cast: Cast::new(&scene, &commands),
             scene,
             commands,
@@ -162,6 +168,32 @@ impl Recording {
             positions,
             obstacles: self.cast.placed(stamp, &poses),
         })
+    }
+
+    /// Steps of which the whole state was kept, in order.
+    pub fn keyframes(&self) -> Vec<u64> {
+        let steps = self.keyframes.iter();
+        steps.map(|(stamp, _)| self.step_at(*stamp)).collect()
+    }
+
+    /// The last state that was kept at or before a step, and the chunk of its instant.
+    pub(super) fn kept(&self, step: u64) -> Result<Option<(State, Span)>, NodeError> {
+        let before = |(stamp, _): &&(u64, Span)| self.step_at(*stamp) <= step;
+        let last = self.keyframes.iter().rfind(before);
+        // A reset while the run stands says the same step again; the first is the one that came of a step.
+        let first = last.and_then(|(stamp, _)| self.keyframes.iter().find(|(s, _)| s == stamp));
+        let Some(&(_, span)) = first else {
+            return Ok(None);
+        };
+        let chunk = self.chunk(span)?;
+        let bytes = chunk.iter().find(|m| m.topic == KEYFRAME.topic);
+        let message: Keyframe = decode(bytes.map(|m| m.bytes.as_slice()).unwrap_or_default())?;
+        let state = keyframe::state(&message).map_err(|e| NodeError::unreadable(&self.path, e))?;
+        if state.digest() != message.digest {
+            let reason = format!("the digest of the keyframe of step {}", message.step);
+            return Err(NodeError::unreadable(&self.path, reason + " is another"));
+        }
+        Ok(Some((state, span)))
     }
 
     /// All messages from a chunk on, or from the first.

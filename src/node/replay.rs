@@ -17,14 +17,17 @@ use super::drive::Drive;
 use super::mode::Mode;
 use super::pace::Pacer;
 use super::recorder::Recorder;
+use super::records::Span;
 use super::{About, Inbox, NodeError, Order, Pace, Progress, Recording};
 use crate::sim::Simulation;
-use crate::wire::inbound;
 use crate::wire::messages::toile_msgs::AppliedCommand;
+use crate::wire::{inbound, nanoseconds};
 
 /// How a recording is replayed.
 #[derive(Clone, Debug, Default)]
 pub struct ReplayOptions {
+    /// Starts from the last keyframe at or before this step; from the start if there is none.
+    pub from: Option<u64>,
     /// Threads of the solver; results do not depend on it. 0 counts as 1.
     pub threads: usize,
     /// Set from outside to end the replay early.
@@ -56,7 +59,7 @@ pub struct Replay {
     pub largest: f64,
 }
 
-/// Replays a recording from its start to its end.
+/// Replays a recording to its end, from its start or from a keyframe.
 pub fn replay(
     path: &Path,
     options: &ReplayOptions,
@@ -68,10 +71,12 @@ pub fn replay(
     let mut simulation = Simulation::new(scene, options.threads.max(1))?;
     let here = About::run(simulation.model(), Pace::Free, false);
     let strict = recording.about().same_bits(&here);
+    let start = Start::new(&recording, options.from, &mut simulation)?;
     let verdict = Arc::new(Mutex::new(Verdict::default()));
     let comparer = Comparer {
-        recorded: recording.scan(None)?,
+        recorded: recording.scan(start.chunk)?,
         strict,
+        from: start.stamp,
         dt: scene.method.dt,
         verdict: Arc::clone(&verdict),
         stop: Arc::clone(&options.stop),
@@ -83,13 +88,11 @@ pub fn replay(
         obstacles,
         vec![Box::new(comparer)],
     )?;
-    let inbox = Inbox::default().scripted(orders(&recording)?);
+    let inbox = Inbox::default().scripted(orders(&recording, start.step)?);
     let pacer = Pacer::new(Pace::Free);
     let mut drive = Drive::new(&mut simulation, &recorder, inbox, pacer, &options.stop);
     drive.schedule.halt = Some(recording.last_step());
-    if recording.about().paused {
-        drive.mode = Mode::Paused;
-    }
+    drive.mode = start.mode;
     let end = recording.last_step();
     let ended = drive.run(&mut |report| {
         progress(&Progress {
@@ -122,7 +125,7 @@ pub fn replay(
         ended?;
     }
     Ok(Replay {
-        from: 0,
+        from: start.step,
         to: simulation.state().step,
         states: verdict.states,
         commands: verdict.commands,
@@ -135,8 +138,64 @@ pub fn replay(
     })
 }
 
-/// The recorded commands as they came in.
-fn orders(recording: &Recording) -> Result<Vec<(u64, Order)>, NodeError> {
+/// Where a replay starts.
+struct Start {
+    step: u64,
+    /// \[ns\]
+    stamp: u64,
+    /// The first chunk to compare with; the first of all if not given.
+    chunk: Option<Span>,
+    mode: Mode,
+}
+
+impl Start {
+    /// Takes the simulation to where the replay starts.
+    fn new(
+        recording: &Recording,
+        from: Option<u64>,
+        simulation: &mut Simulation,
+    ) -> Result<Self, NodeError> {
+        let kept = match from {
+            Some(step) => recording.kept(step)?,
+            None => None,
+        };
+        let mut start = Self {
+            step: 0,
+            stamp: 0,
+            chunk: None,
+            mode: mode_at(recording, 0),
+        };
+        if let Some((state, span)) = kept {
+            start.step = state.step;
+            start.stamp = nanoseconds(state.step as f64 * recording.scene().method.dt);
+            start.chunk = Some(span);
+            start.mode = mode_at(recording, state.step);
+            let resumed = simulation.resume(state);
+            resumed.map_err(|error| NodeError::unreadable(recording.path(), error))?;
+        }
+        Ok(start)
+    }
+}
+
+/// Whether the run went on or stood when a step had been taken, before the orders at that boundary.
+fn mode_at(recording: &Recording, step: u64) -> Mode {
+    let mut mode = match recording.about().paused {
+        true => Mode::Paused,
+        false => Mode::Running,
+    };
+    let earlier = recording.commands().iter().filter(|c| c.step < step);
+    for command in earlier.filter(|c| c.accepted) {
+        let request = inbound::find(&command.channel)
+            .and_then(|inlet| inbound::decode(inlet, &command.payload).ok());
+        if let Some(request) = request {
+            mode = mode.at(command.step).after(&request, command.step);
+        }
+    }
+    mode.at(step)
+}
+
+/// The recorded commands as they came in, from a step on.
+fn orders(recording: &Recording, from: u64) -> Result<Vec<(u64, Order)>, NodeError> {
     let order = |command: &AppliedCommand| {
         let inlet = inbound::find(&command.channel).ok_or_else(|| {
             let reason = format!("a command on {}, which is not known", command.channel);
@@ -149,5 +208,6 @@ fn orders(recording: &Recording) -> Result<Vec<(u64, Order)>, NodeError> {
         };
         Ok((command.step, order))
     };
-    recording.commands().iter().map(order).collect()
+    let commands = recording.commands().iter();
+    commands.filter(|c| c.step >= from).map(order).collect()
 }

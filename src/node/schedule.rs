@@ -13,6 +13,8 @@ pub(super) struct Schedule {
     output: u64,
     /// Steps between surfaces.
     mesh: u64,
+    /// Steps between keyframes, if there are any.
+    keyframe: Option<u64>,
     /// Whether surfaces are published at all.
     pub with_mesh: bool,
 }
@@ -20,13 +22,15 @@ pub(super) struct Schedule {
 impl Schedule {
     pub(super) fn new(scene: &Scene) -> Self {
         let output = scene.output_steps();
-        let interval = 1.0 / (scene.output.mesh_rate * scene.method.dt);
-        let surfaces = ((interval / output as f64).round() as u64).max(1);
+        let per_output = scene.method.dt * output as f64;
+        let outputs = |interval: f64| ((interval / per_output).round() as u64).max(1);
+        let keyframes = scene.output.keyframe_interval;
         Self {
             last: scene.steps(),
             halt: None,
             output,
-            mesh: output.saturating_mul(surfaces),
+            mesh: output.saturating_mul(outputs(1.0 / scene.output.mesh_rate)),
+            keyframe: (keyframes > 0.0).then(|| output.saturating_mul(outputs(keyframes))),
             with_mesh: scene.output.mesh_rate > 0.0,
         }
     }
@@ -37,5 +41,13 @@ impl Schedule {
 
     pub(super) fn mesh(&self, step: u64) -> bool {
         step.is_multiple_of(self.mesh)
+    }
+
+    /// The start needs none: it follows from the scene.
+    pub(super) fn keyframe(&self, step: u64) -> bool {
+        step > 0
+            && self
+                .keyframe
+                .is_some_and(|steps| step.is_multiple_of(steps))
     }
 }

@@ -201,6 +201,7 @@ const SCHEMES: &[&str] = &[
 const OUTPUT: &[Key] = &[
     may("rate", Number(range(1e-3, 1e6, "Hz"))),
     may("mesh_rate", Number(range(0.0, 1e6, "Hz"))),
+    may("keyframe_interval", Number(range(0.0, 1e5, "s"))),
 ];
 
 const OBSERVE: &[Key] = &[

@@ -32,8 +32,6 @@ pub struct Solved {
     pub nodes: Vec<Vector3<f64>>,
     /// Contacts there.
     pub touch: Touch,
-    /// Force of the air there \[N\], shape \[vertices\]; empty without air.
-    pub air: Vec<Vector3<f64>>,
     /// What Newton did.
     pub outcome: Outcome,
     /// Vertex with the largest residual force.
@@ -119,13 +117,11 @@ impl Implicit {
         let mut r = vec![0.0; model.dofs.size];
         problem.residual(&self.z, &mut r);
         let worst = problem.worst();
-        let air = problem.air();
         let touch = problem.touch;
         Solved {
             nodes: self.nodes.clone(),
             map,
             touch,
-            air,
             outcome,
             worst,
         }
@@ -176,9 +172,11 @@ impl StepProblem<'_> {
                 + model.gravity.gradient(v, &[x])[0];
             self.velocities[v] = velocity;
         }
-        let pushes = self.air();
-        for (force, push) in self.forces.iter_mut().zip(pushes) {
-            *force -= push;
+        if let Some(drag) = &self.drag {
+            let pushes = drag.forces(self.nodes, &self.velocities);
+            for (force, push) in self.forces.iter_mut().zip(pushes) {
+                *force -= push;
+            }
         }
         if let Some(law) = &model.contact {
             let positions = &self.nodes[..model.masses.len()];
@@ -188,12 +186,6 @@ impl StepProblem<'_> {
                 self.forces[v as usize] -= push;
             }
         }
-    }
-
-    /// Force of the air at the current nodes; empty without air \[N\].
-    fn air(&self) -> Vec<Vector3<f64>> {
-        let forces = |drag: &Drag| drag.forces(self.nodes, &self.velocities);
-        self.drag.as_ref().map_or(vec![], forces)
     }
 
     /// Residual force of a node on its free components \[N\].

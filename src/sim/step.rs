@@ -1,5 +1,6 @@
 //! One step of each kind of scheme, from the state to the next.
 
+use super::air::Breeze;
 use super::implicit::{Implicit, Solved};
 use super::integrate::Rule;
 use super::integrate::explicit::Explicit;
@@ -66,7 +67,7 @@ pub fn implicit_step(
             size /= 2;
             continue;
         }
-        advance(model, state, rule, &solved, dt);
+        advance(model, state, rule, &solved, (within, dt));
         touch = solved.touch;
         done += size;
         if size < TICKS && done % (2 * size) == 0 {
@@ -88,25 +89,32 @@ fn count(solved: &Solved, report: &mut StepReport) {
     }
 }
 
-/// Takes the solved step and enters in the ledger what it exchanged.
-fn advance(model: &Model, state: &mut State, rule: Rule, solved: &Solved, dt: f64) {
-    let power = model.damping.power(&state.velocities);
-    // Between the start of the step and where its forces are taken; the whole step is longer by the fraction.
-    let fraction = solved.map.fraction;
+/// Takes the solved part of a step and enters in the ledger what it exchanged.
+fn advance(
+    model: &Model,
+    state: &mut State,
+    rule: Rule,
+    solved: &Solved,
+    (within, dt): (f64, f64),
+) {
+    let breeze = Breeze::of(model, state);
+    let powers = |state: &State, moment: f64| {
+        let drag = breeze.as_ref().map(|breeze| breeze.at(moment));
+        let air = drag.map_or(0.0, |drag| drag.power(&state.positions, &state.velocities));
+        [model.damping.power(&state.velocities), air]
+    };
+    let before = powers(state, within);
     let pushed = solved
         .touch
         .work_of_obstacles(model, &state.obstacles, &solved.nodes);
-    let blown: f64 = (solved.air.iter())
-        .zip(solved.nodes.iter().zip(&state.positions))
-        .map(|(force, (to, from))| force.dot(&(to - from)))
-        .sum();
     let slipped = take(state, rule, solved, dt);
-    let power = power + model.damping.power(&state.velocities);
+    let after = powers(state, within + dt);
     let ledger = &mut state.ledger;
-    ledger.damping += 0.5 * dt * power;
+    ledger.damping += 0.5 * dt * (before[0] + after[0]);
+    ledger.air += 0.5 * dt * (before[1] + after[1]);
     ledger.friction += slipped;
-    ledger.supports += pushed / fraction;
-    ledger.air += blown / fraction;
+    // Contact acts from the start of the step to where its forces are taken, and on to the end.
+    ledger.supports += pushed / solved.map.fraction;
 }
 
 /// Takes the state to the end of a solved step; returns the energy that slip took out \[J\].

@@ -4,8 +4,8 @@ use super::cdr::CdrError;
 use super::messages::{rosgraph_msgs::Clock, std_msgs::String as Text};
 use super::packets::{Packet, packet};
 use super::{
-    ContactWatch, Counters, channels, cloud, diagnostics, markers, report, robot_description,
-    stamp, topology, transforms,
+    ContactWatch, Counters, channels, cloud, diagnostics, keyframe, markers, report,
+    robot_description, stamp, topology, transforms,
 };
 use crate::contact::{Obstacle, Shape};
 use crate::sim::{ContactPoint, Model, State, StepReport};
@@ -15,6 +15,8 @@ use crate::sim::{ContactPoint, Model, State, StepReport};
 pub struct Extras {
     /// Whether surface and contacts are to be drawn.
     pub with_mesh: bool,
+    /// Whether the whole state is to be kept.
+    pub with_keyframe: bool,
     /// What the node has counted.
     pub counters: Counters,
     /// Where the sheet touches; nothing in a scene without contact.
@@ -73,6 +75,10 @@ impl Encoder {
         if let Some(contacts) = extras.contacts {
             let watch = &mut self.contacts;
             packets.extend(watch.packets(&state.obstacles, contacts, time, extras.with_mesh)?);
+        }
+        if extras.with_keyframe {
+            let whole = keyframe::keyframe(state, state.digest(), time);
+            packets.push(packet(&channels::KEYFRAME, time, &whole)?);
         }
         if time >= self.second {
             packets.push(diagnostics(step, &extras.counters)?);

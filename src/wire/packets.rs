@@ -15,6 +15,8 @@ pub struct Packet {
     pub channel: &'static Channel,
     /// Whose it is, on a channel with a topic per obstacle.
     pub obstacle: Option<String>,
+    /// Its number among the messages of its topic, from 0; the recorder counts.
+    pub sequence: u64,
     /// Simulated time since the start of the run \[ns\].
     pub stamp: u64,
     /// Step of the state that it speaks of; 0 for what is said once.
@@ -44,6 +46,7 @@ pub(super) fn packet<M: Message>(
     Ok(Packet {
         channel,
         obstacle: None,
+        sequence: 0,
         stamp: nanoseconds(time),
         step: 0,
         digest: 0,

@@ -164,9 +164,14 @@ fn the_readme_describes_every_channel() {
         );
         assert!(readme.contains(&row), "README.md has no row {row}");
     }
-    let OutputSpec { rate, mesh_rate } = OutputSpec::default();
+    let OutputSpec {
+        rate,
+        mesh_rate,
+        keyframe_interval,
+    } = OutputSpec::default();
     let said = format!(
-        "`output.rate` is {rate} Hz of simulated time and `output.mesh_rate` {mesh_rate} Hz"
+        "`output.rate` is {rate} Hz of simulated time, `output.mesh_rate` {mesh_rate} Hz and \
+         `output.keyframe_interval` {keyframe_interval} s"
     );
     assert!(readme.contains(&said), "README.md does not say: {said}");
 }

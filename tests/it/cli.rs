@@ -250,6 +250,7 @@ fn list_shows_everything_built_in() {
         ("fabrics", ["F1 ", "F12 "]),
         ("methods", ["bdf2", "central-difference"]),
         ("messages", ["/toile/state", "sensor_msgs/msg/PointCloud2"]),
+        ("commands", ["/toile/cmd/obstacle", "StepSimulation"]),
     ] {
         let text = out(&toile(dir.path(), &["list", what]));
         for part in some {

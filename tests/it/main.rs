@@ -1,10 +1,12 @@
 //! The integration tests: one binary, a module per subject.
 
 mod air;
+mod air_commands;
 mod architecture;
 mod byte_identity;
 mod charts;
 mod cli;
+mod cli_commands;
 mod cli_recordings;
 mod commands;
 mod consistency;
@@ -28,11 +30,19 @@ mod pictures;
 mod python;
 mod recording;
 mod refusal;
+mod refusal_of_air;
 mod replay;
+mod resume;
+#[cfg(feature = "ros2")]
+mod ros2;
 mod samples;
 mod scene;
 mod schema_reader;
 mod session;
+#[cfg(feature = "iceoryx2")]
+mod shared_hostile;
+#[cfg(feature = "iceoryx2")]
+mod shared_measure;
 #[cfg(feature = "iceoryx2")]
 mod shared_memory;
 #[cfg(feature = "iceoryx2")]

@@ -143,6 +143,7 @@ fn packet(channel: &'static Channel, stamp: u64) -> Packet {
     Packet {
         channel,
         obstacle: None,
+        sequence: 0,
         stamp,
         step: 0,
         digest: 0,

@@ -193,6 +193,7 @@ rho_infinity = 0.5
 [output]
 rate = 50
 mesh_rate = 10
+keyframe_interval = 0.5
 [observe]
 rim = { points = [[0.15, 0.0], [0.0, 0.15]], axis = "y" }
 "#;

@@ -22,7 +22,7 @@ use super::shared_memory::name;
 const LONGEST: &str = "120";
 
 /// A process of the binary, killed when it takes too long.
-fn toile(folder: &Path, args: &[&str]) -> Command {
+pub fn toile(folder: &Path, args: &[&str]) -> Command {
     let mut command = Command::new("timeout");
     command.args(["--kill-after=5", LONGEST, env!("CARGO_BIN_EXE_toile")]);
     command.args(args).current_dir(folder);
@@ -86,8 +86,13 @@ impl Publisher {
         let encoder = &mut self.encoder;
         let packets = encoder.instant(&self.model, &self.state, &self.report, extras);
         let packets = packets.unwrap();
-        for packet in &packets {
-            self.carrier.publish(packet).unwrap();
+        // The queue before shared memory is for carriers that hang; here it is not to overflow.
+        while self.carrier.gauge().waiting() > 32 {
+            std::thread::sleep(Duration::from_micros(100));
+        }
+        for mut packet in packets {
+            packet.sequence = self.report.step;
+            self.carrier.publish(&packet).unwrap();
         }
         self.carrier.commit().unwrap();
         self.report.step += 1;
@@ -265,6 +270,10 @@ fn a_run_killed_ten_times_comes_back_and_its_reader_follows() {
     let mut rest = String::new();
     lines.read_to_string(&mut rest).unwrap();
     assert!(reader.wait().unwrap().success());
+    // What a process was just making when it was killed is removed when it has been so for five seconds.
+    std::thread::sleep(Duration::from_millis(5500));
+    let nobody = ["watch", "state", "--name", "phoenix", "--timeout", "0.1"];
+    toile(folder.path(), &nobody).output().unwrap();
     assert_eq!(left_behind(&prefix), [""; 0], "all cleaned up");
 }
 
@@ -316,7 +325,7 @@ fn readers_that_stand_still_or_die_hold_nobody_up() {
         first["missed"].as_u64().unwrap(),
     );
     assert_eq!(step, missed + 1, "it knows what it missed");
-    assert!(missed > 1900, "missed {missed}");
+    assert!(missed > 1700, "missed {missed}");
     for expected in step + 1..2001 {
         assert_eq!(line(&mut lines)["step"], expected);
     }

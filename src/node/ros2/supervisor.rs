@@ -7,6 +7,8 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
+use serde::Serialize;
+
 use super::traffic::Traffic;
 use super::{Ros2Error, ServiceMapping, Settings};
 use crate::node::shared_memory::RunName;
@@ -25,7 +27,7 @@ const FAREWELL: Duration = Duration::from_secs(3);
 pub type Notice = Box<dyn Fn(&str) + Send>;
 
 /// What came of a bridge.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct BridgeReport {
     /// Times that it was started again.
     pub restarts: u64,
@@ -71,6 +73,8 @@ impl BridgeCommand {
                 },
             ])
             .env("ROS_DOMAIN_ID", domain.to_string())
+            // A backtrace needs memory: out of it, the process would hang instead of ending.
+            .env("RUST_BACKTRACE", "0")
             .stdin(Stdio::piped())
             .stdout(Stdio::piped());
         if *lan {

@@ -1,6 +1,6 @@
 //! The other end: any process that reads a run's channels and calls its inlets.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -17,6 +17,8 @@ use super::{MOST_BYTES, RunName, SharedMemoryError, Subscription};
 /// How often an answer, or room for a request, is looked for: in the first moments, and then.
 const SOON: Duration = Duration::from_micros(100);
 const LATER: Duration = Duration::from_millis(1);
+/// How often a run is looked for that is not there.
+const ABSENT: Duration = Duration::from_millis(20);
 
 type Port = client::Client<Ipc, [u8], CallHeader, [u8], ReplyHeader>;
 type Pending = PendingResponse<Ipc, [u8], CallHeader, [u8], ReplyHeader>;
@@ -26,7 +28,7 @@ type Pending = PendingResponse<Ipc, [u8], CallHeader, [u8], ReplyHeader>;
 pub struct Client {
     // Ports before the link that they use.
     caller: Option<Caller>,
-    published: OnceLock<Option<Listener<Ipc>>>,
+    published: Mutex<Option<Arc<Listener<Ipc>>>>,
     link: Arc<Link>,
 }
 
@@ -43,7 +45,7 @@ impl Client {
     pub fn new(run: RunName) -> Result<Self, SharedMemoryError> {
         Ok(Self {
             caller: None,
-            published: OnceLock::new(),
+            published: Mutex::default(),
             link: Arc::new(Link::new(run)?),
         })
     }
@@ -56,10 +58,11 @@ impl Client {
     }
 
     /// Waits until the run has published something since the last wait or, the first time, since the first
-    /// [`subscribe`](Self::subscribe); false if it has not in this time.
+    /// [`subscribe`](Self::subscribe); false if it has not in this time. While the run is not there, it only
+    /// waits a moment.
     pub fn wait(&self, timeout: Duration) -> bool {
         let Some(published) = self.published() else {
-            sleep(timeout.min(LATER));
+            sleep(timeout.min(ABSENT));
             return false;
         };
         // An interrupted wait is a short one.
@@ -67,12 +70,16 @@ impl Client {
         events.is_ok_and(|count| count > 0)
     }
 
-    fn published(&self) -> Option<&Listener<Ipc>> {
-        let make = || {
-            let events = self.link.event(&self.link.run.published()).ok()?;
-            events.listener_builder().create().ok()
-        };
-        self.published.get_or_init(make).as_ref()
+    fn published(&self) -> Option<Arc<Listener<Ipc>>> {
+        let mut listener = self
+            .published
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        if listener.is_none() {
+            let events = self.link.open_event(&self.link.run.published()).ok()??;
+            *listener = Some(Arc::new(events.listener_builder().create().ok()?));
+        }
+        listener.clone()
     }
 
     /// Sends a message to an inlet and waits for its answer, both in CDR.
@@ -210,7 +217,10 @@ impl Caller {
             .create();
         let port = port.map_err(SharedMemoryError::transport("call", &link.run.inlets()))?;
         let name = link.run.called();
-        let bell = link.event(&name)?.notifier_builder().create();
+        let Some(called) = link.open_event(&name)? else {
+            return Ok(None);
+        };
+        let bell = called.notifier_builder().create();
         let bell = bell.map_err(SharedMemoryError::transport("notify", &name))?;
         Ok(Some(Self { port, bell, inlets }))
     }

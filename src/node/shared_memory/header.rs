@@ -17,7 +17,7 @@ pub const INLET_BYTES: usize = 64;
 pub struct Header {
     /// [`ABI`].
     pub abi: u64,
-    /// Counts the messages of this channel from 0; a gap is what the reader missed.
+    /// Counts the messages of this topic from 0; a gap is what the reader missed.
     pub sequence: u64,
     /// Simulated time since the start of the run \[ns\].
     pub stamp: u64,
@@ -30,11 +30,11 @@ pub struct Header {
 }
 
 impl Header {
-    /// Of a packet, which is the `sequence`-th of its channel.
-    pub(super) fn new(packet: &Packet, sequence: u64) -> Self {
+    /// Of a packet.
+    pub(super) fn new(packet: &Packet) -> Self {
         Self {
             abi: ABI,
-            sequence,
+            sequence: packet.sequence,
             stamp: packet.stamp,
             step: packet.step,
             digest: packet.digest,

@@ -17,6 +17,7 @@ mod names;
 mod publisher;
 mod server;
 mod subscription;
+mod sweep;
 
 pub use client::Client;
 pub use error::SharedMemoryError;

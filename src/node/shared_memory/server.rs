@@ -83,7 +83,7 @@ impl Server {
     pub fn start(ports: Arc<Ports>, desk: Box<dyn Desk>) -> Result<Self, SharedMemoryError> {
         let port = claim(&ports)?;
         let name = ports.link.run.called();
-        let bell = ports.link.event(&name)?.listener_builder().create();
+        let bell = ports.link.make_event(&name)?.listener_builder().create();
         let bell = bell.map_err(SharedMemoryError::transport("listen to", &name))?;
         let stop = Arc::new(AtomicBool::new(false));
         let mut office = Office {

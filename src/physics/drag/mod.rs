@@ -29,6 +29,12 @@ impl Drag<'_> {
         }
     }
 
+    /// Power that the air puts in at positions `x` and velocities `v`, negative where it brakes \[W\].
+    pub fn power(&self, x: &[Vector3<f64>], v: &[Vector3<f64>]) -> f64 {
+        let forces = self.forces(x, v);
+        forces.iter().zip(v).map(|(force, v)| force.dot(v)).sum()
+    }
+
     /// Force on the vertices at positions `x` and velocities `v` \[N\].
     pub fn forces(&self, x: &[Vector3<f64>], v: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         let mut sum = vec![Vector3::zeros(); v.len()];
