@@ -196,7 +196,14 @@ impl Explicit {
         for (v, push) in touch.pushes(model, law, &state.positions) {
             forces[v as usize] = add(forces[v as usize], lanes(&push));
         }
-        self.kick(model, &mut rates, &forces, dt);
+        match Breeze::of(model, state) {
+            None => {
+                self.kick(model, &mut rates, &forces, dt);
+            }
+            Some(breeze) => {
+                self.kick_in_air(&breeze.at(0.0), &nodes, &mut rates, &forces, dt);
+            }
+        }
         let masses = &self.inverse_mass;
         impulse::loads(model, law, touch, masses, &nodes, &mut rates, dt)
     }
