@@ -375,7 +375,7 @@ fn stability_where_obstacles_meet() {
     let set = ["fabric.areal_density=20.0", "sheet.triangles=60"];
     let mut simulation = simulation(&sheet(Scheme::CentralDifference, &set));
     add(&mut simulation, plate("one", -2.45e-4, 0.3));
-    let mut substeps = |simulation: &mut Simulation| {
+    let substeps = |simulation: &mut Simulation| {
         run(simulation, 0.01);
         let report = simulation.report();
         assert!(
