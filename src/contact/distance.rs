@@ -62,6 +62,14 @@ impl Shape {
         (d.value, d.normal)
     }
 
+    /// Depth below the surface of the point or axis about which the shape is round \[m\]; zero where it is sharp.
+    pub(super) fn core(&self) -> f64 {
+        match *self {
+            Self::Sphere { radius } | Self::Capsule { radius, .. } => radius,
+            Self::Plane | Self::Box { .. } | Self::Disc { .. } | Self::Cylinder { .. } => 0.0,
+        }
+    }
+
     /// Distance from a point in the shape's frame. All shapes are convex, so the value is a convex function.
     #[inline(always)]
     pub fn distance(&self, p: &Vector3<f64>) -> Distance {

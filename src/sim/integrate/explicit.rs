@@ -44,6 +44,8 @@ pub struct Explicit {
     nearby: Vec<Nearby>,
     /// Relative motion that `nearby` still allows \[m\].
     allowance: f64,
+    /// Positions \[m\], up to date at the vertices of `nearby`, shape \[vertices\].
+    positions: Vec<Vector3<f64>>,
     touch: Touch,
 }
 
@@ -83,6 +85,7 @@ impl Explicit {
             limits: Limits::new(nodes, inertia),
             nearby: vec![],
             allowance: 0.0,
+            positions: nodes[..vertices].to_vec(),
             touch: Touch::default(),
         }
     }
@@ -211,22 +214,21 @@ impl Explicit {
     /// Takes the rates from one half step to the next. Returns what damping took out \[J\].
     fn kick(&self, model: &Model, rates: &mut [Lanes], forces: &[Lanes], dt: f64) -> f64 {
         let half = 0.5 * dt;
-        let nodes = rates
-            .iter_mut()
-            .zip(forces)
-            .zip(self.inverse_mass.iter().zip(&self.drag));
-        for ((rate, force), (inverse, drag)) in nodes {
-            let push: Lanes = std::array::from_fn(|k| force[k] * inverse[k] * dt);
+        let nodes = rates.iter_mut().zip(forces).zip(&self.inverse_mass);
+        let push = |force: &Lanes, inverse: &Lanes| -> Lanes {
+            std::array::from_fn(|k| force[k] * inverse[k] * dt)
+        };
+        if model.scene.damping == 0.0 {
+            nodes.for_each(|((rate, force), inverse)| *rate = add(*rate, push(force, inverse)));
+            return 0.0;
+        }
+        for (((rate, force), inverse), drag) in nodes.zip(&self.drag) {
             let kept = scale(*rate, 1.0 - drag * half);
-            *rate = scale(add(kept, push), 1.0 / (1.0 + drag * half));
+            *rate = scale(add(kept, push(force, inverse)), 1.0 / (1.0 + drag * half));
         }
         let drag = &model.damping.coefficients;
         let power = |(c, v): (&f64, &Lanes)| c * dot(*v, *v);
-        if model.scene.damping == 0.0 {
-            0.0
-        } else {
-            drag.iter().zip(&*rates).map(power).sum::<f64>() * dt
-        }
+        drag.iter().zip(&*rates).map(power).sum::<f64>() * dt
     }
 
     /// The same with air on the faces, whose force is linear in the velocity, too: with R the sum of the faces'
@@ -275,25 +277,39 @@ impl Explicit {
         forces: &mut [Lanes],
     ) {
         let Some(law) = &model.contact else { return };
-        let positions: Vec<Vector3<f64>> = nodes[..model.masses.len()].iter().map(vector).collect();
         let start = state.obstacles.clone();
         state.obstacles.iter_mut().for_each(|o| o.advance(dt));
-        let speeds = start.iter().map(|body| quickest(body, &positions));
+        let turns = start.iter().any(|body| body.velocity.angular.norm() > 0.0);
+        if turns {
+            self.refresh_all(nodes);
+        }
+        let speeds = start.iter().map(|body| quickest(body, &self.positions));
         let quickest = speeds.fold(0.0, f64::max);
         self.allowance -= (fastest + quickest) * dt;
         if self.allowance < 0.0 {
-            let find = |body| Nearby::find(&model.mesh, &positions, body, law.offset + MARGIN);
+            self.refresh_all(nodes);
+            let (mesh, reach) = (&model.mesh, law.offset + MARGIN);
+            let find = |body| Nearby::find(mesh, &self.positions, body, reach);
             self.nearby = state.obstacles.iter().map(find).collect();
             self.allowance = MARGIN;
         }
+        for &v in self.nearby.iter().flat_map(Nearby::vertices) {
+            self.positions[v as usize] = vector(&nodes[v as usize]);
+        }
         self.touch.obstacles.clone_from(&state.obstacles);
-        self.touch.find(model, law, &positions, Some(&self.nearby));
-        for (v, push) in self.touch.pushes(model, law, &positions) {
+        let positions = &self.positions;
+        self.touch.find(model, law, positions, Some(&self.nearby));
+        for (v, push) in self.touch.pushes(model, law, positions) {
             forces[v as usize] = add(forces[v as usize], lanes(&push));
         }
         if quickest > 0.0 {
-            state.ledger.supports += self.touch.work_of_obstacles(model, &start, &positions);
+            state.ledger.supports += self.touch.work_of_obstacles(model, &start, positions);
         }
+    }
+
+    fn refresh_all(&mut self, nodes: &[Lanes]) {
+        let places = self.positions.iter_mut().zip(nodes);
+        places.for_each(|(place, node)| *place = vector(node));
     }
 }
 
