@@ -15,6 +15,7 @@ mod damage;
 mod encoding;
 mod energy;
 mod friction;
+mod golden;
 mod inbound;
 mod inbound_objects;
 mod inbound_property;
