@@ -129,7 +129,7 @@ fn cuboid(p: &Vector3<f64>, half: &Vector3<f64>) -> Distance {
     let sign = p.map(|c| if c < 0.0 { -1.0 } else { 1.0 });
     let q = p.abs() - half;
     let outside = q.map(|c| c.max(0.0));
-    if outside.norm_squared() > 0.0 {
+    if outside.norm_squared() > TINY * TINY {
         let active = q.map(|c| f64::from(c > 0.0));
         return round(
             &outside.component_mul(&sign),
