@@ -48,6 +48,7 @@ mod shared_measure;
 mod shared_memory;
 #[cfg(feature = "iceoryx2")]
 mod shared_processes;
+mod tamper;
 mod tidy;
 mod type_hashes;
 mod verify;
