@@ -25,6 +25,9 @@ pub enum CliError {
         /// Where the last good state is.
         recording: PathBuf,
     },
+    /// An instrument that found no reading, in words.
+    #[error("{0}")]
+    Measure(String),
     /// A run or a file that failed.
     #[error(transparent)]
     Node(#[from] NodeError),
@@ -45,9 +48,10 @@ impl CliError {
                 | NodeError::Unreadable { .. }
                 | NodeError::NoSuchFrame { .. },
             ) => ExitCode::from(2),
-            CliError::Diverged { .. } | CliError::Node(_) | CliError::Output(_) => {
-                ExitCode::from(1)
-            }
+            CliError::Diverged { .. }
+            | CliError::Measure(_)
+            | CliError::Node(_)
+            | CliError::Output(_) => ExitCode::from(1),
         }
     }
 }

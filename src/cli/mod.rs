@@ -5,13 +5,16 @@
 
 mod chart;
 mod error;
+mod identify;
 mod list;
+mod measure;
 mod output;
 mod progress;
 mod run;
 mod scene;
 mod show;
 mod source;
+mod specimen;
 mod summary;
 
 use std::process::ExitCode;
@@ -39,6 +42,10 @@ enum Verb {
     Scene(scene::SceneArgs),
     /// Draw a recording as PNG; write the layouts of viewers.
     Show(show::ShowArgs),
+    /// Measure a fabric in a laboratory instrument.
+    Measure(measure::MeasureArgs),
+    /// Turn measured tests into the constants of a fabric.
+    Identify(identify::IdentifyArgs),
     /// Run and draw a chart: error against CPU time.
     Chart(chart::ChartArgs),
 }
@@ -54,6 +61,8 @@ pub fn main() -> ExitCode {
         Verb::List(args) => args.run(),
         Verb::Scene(args) => args.run(),
         Verb::Show(args) => args.run(),
+        Verb::Measure(args) => args.run(),
+        Verb::Identify(args) => args.run(),
         Verb::Chart(args) => args.run(),
     };
     match done {

@@ -15,6 +15,7 @@ mod inbound_objects;
 mod inbound_property;
 mod inbound_services;
 mod lab;
+mod lab_measure;
 mod messages;
 mod needs;
 mod order;
