@@ -162,19 +162,13 @@ fn mesh_line(report: &Report) -> String {
 /// The report for a reader.
 fn text(report: &Report) -> String {
     let mut rows = vec![
-        ["", "reading", "spread", "from the constants", "off"]
+        ["", "reading", "meshes", "edges x 2", "constants", "off"]
             .map(String::from)
             .to_vec(),
     ];
     for reading in &report.readings {
-        let [value, spread, expected, off] = cells(reading);
-        rows.push(vec![
-            format!("  {}", reading.name),
-            value,
-            spread,
-            expected,
-            off,
-        ]);
+        let name = format!("  {}", reading.name);
+        rows.push(std::iter::once(name).chain(cells(reading)).collect());
     }
     format!(
         "{}\n{}  specimen {}, {}\n  {}\n",
@@ -186,32 +180,31 @@ fn text(report: &Report) -> String {
     )
 }
 
-/// Value, spread, expectation and deviation, in units that a textile laboratory reads.
-fn cells(reading: &Reading) -> [String; 4] {
+/// Value, half the spread over meshes, change from a coarser mesh, expectation and deviation, in units that a textile
+/// laboratory reads.
+fn cells(reading: &Reading) -> [String; 5] {
     let (factor, unit) = match reading.unit {
-        "Pa" => (1e-6, "MPa"),
-        "m" => (1e3, "mm"),
-        "N·m" => (1e6, "µN·m"),
-        "-" => (1.0, ""),
-        other => (1.0, other),
+        "Pa" => (1e-6, " MPa"),
+        "m" => (1e3, " mm"),
+        "N·m" => (1e6, " µN·m"),
+        "N/m" => (1.0, " N/m"),
+        _ => (1.0, ""),
     };
-    let show = |value: f64| {
-        let number = output::significant(factor * value, 6);
-        format!("{number} {unit}").trim_end().to_string()
+    let show = |value: f64| output::significant(factor * value, 6) + unit;
+    // A part of the reading is easier to judge than its unit, and has no long row of noughts.
+    let part = |change: f64| match change.abs() < 1e-7 * reading.value.abs() {
+        true => "below 1e-7".to_string(),
+        false => format!("{:.1e}", change / reading.value.abs().max(1e-300)),
     };
-    let off = |part: f64| format!("{}%", signed(1e2 * part));
+    let off = |part: f64| match part.abs() < 1e-6 {
+        true => "below 1e-6".to_string(),
+        false => format!("{:+.4} %", 1e2 * part),
+    };
     [
         show(reading.value),
-        format!("± {}", show(0.5 * reading.spread)),
+        format!("± {}", part(0.5 * reading.spread)),
+        reading.mesh_change.map_or(String::new(), part),
         reading.expected.map_or(String::new(), show),
         reading.deviation().map_or(String::new(), off),
     ]
-}
-
-fn signed(percent: f64) -> String {
-    // Below what six digits of the reading show, nothing is there to see.
-    match percent.abs() < 1e-5 {
-        true => "0 ".to_string(),
-        false => format!("{percent:+.4} "),
-    }
 }

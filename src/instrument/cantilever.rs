@@ -46,17 +46,39 @@ pub fn measure(fabric: &FabricSpec, settings: &Settings) -> Result<Report, Measu
         .ok_or_else(|| MeasureError::setting("angle", settings.angle, "from 5 to 85 degrees"))?;
     let rigidity = rigidity(&resolved, settings.direction);
     let first = (strip.gamma * rigidity / weight).cbrt();
+    let unit = Cut {
+        direction: settings.direction,
+        length: first,
+        width: settings.width.unwrap_or(WIDTH * first),
+        edge: settings.edge.unwrap_or(first / EDGES),
+        seed: 0,
+    };
+    unit.check()?;
     let hung: Vec<Hung> = (0..settings.meshes)
-        .map(|seed| hang(fabric, settings, first, seed))
+        .map(|seed| hang(fabric, settings, &Cut { seed, ..unit }))
         .collect::<Result<_, _>>()?;
+    let coarse = Cut {
+        edge: 2.0 * unit.edge,
+        ..unit
+    };
+    let coarse = match coarse.check() {
+        Ok(()) => Some(hang(fabric, settings, &coarse)?.cut.length),
+        Err(_) => None,
+    };
     let lengths: Vec<f64> = hung.iter().map(|h| h.cut.length).collect();
-    let by = |of: &dyn Fn(f64) -> f64| lengths.iter().map(|l| of(*l)).collect::<Vec<f64>>();
-    let length = strip.bending_length();
-    let exact = by(&|l| weight * (l * length).powi(3));
-    let peirce = |l: f64| Bending::peirce(l, angle, weight);
     // A strip across the yarns also twists: its rigidity has no closed form.
-    let known = |value: f64| (settings.direction != Direction::Bias).then_some(value);
-    let over_exact = peirce(1.0).rigidity / (weight * length.powi(3));
+    let known = (settings.direction != Direction::Bias).then_some(first);
+    let read = |name: &str, unit, of: &dyn Fn(f64) -> f64, known: Option<f64>| {
+        let values: Vec<f64> = lengths.iter().map(|l| of(*l)).collect();
+        let reading = Reading::new(name, unit, &values, known);
+        match coarse {
+            Some(length) => reading.against(of(length)),
+            None => reading,
+        }
+    };
+    let length = |l: f64| l * strip.bending_length();
+    let exact = |l: f64| weight * length(l).powi(3);
+    let peirce = |l: f64| Bending::peirce(l, angle, weight);
     let cut = hung[0].cut;
     Ok(Report {
         instrument: Instrument::Cantilever,
@@ -72,25 +94,25 @@ pub fn measure(fabric: &FabricSpec, settings: &Settings) -> Result<Report, Measu
         meshes: settings.meshes,
         residual: hung.iter().map(|h| h.residual).fold(0.0, f64::max),
         readings: vec![
-            Reading::new("overhang", "m", &lengths, known(first)),
-            Reading::new(
-                "bending length, exact",
-                "m",
-                &by(&|l| l * length),
-                known(first * length),
+            read("overhang", "m", &|l| l, known),
+            read("bending length, exact", "m", &length, known.map(length)),
+            read(
+                "flexural rigidity, exact",
+                "N·m",
+                &exact,
+                known.map(|_| rigidity),
             ),
-            Reading::new("flexural rigidity, exact", "N·m", &exact, known(rigidity)),
-            Reading::new(
+            read(
                 "bending length, Peirce (19)",
                 "m",
-                &by(&|l| peirce(l).length),
+                &|l| peirce(l).length,
                 None,
             ),
-            Reading::new(
+            read(
                 "flexural rigidity, Peirce (20)",
                 "N·m",
-                &by(&|l| peirce(l).rigidity),
-                known(rigidity * over_exact),
+                &|l| peirce(l).rigidity,
+                known.map(|l| peirce(l).rigidity),
             ),
         ],
         warnings: warnings(&resolved, settings, &cut),
@@ -110,21 +132,8 @@ fn rigidity(fabric: &Fabric, direction: Direction) -> f64 {
 
 /// Secants over the overhang until the end hangs at the angle. The strip scales as a whole, so that its mesh stays
 /// the same and each trial starts from the shape of the one before.
-fn hang(
-    fabric: &FabricSpec,
-    settings: &Settings,
-    first: f64,
-    seed: u64,
-) -> Result<Hung, MeasureError> {
+fn hang(fabric: &FabricSpec, settings: &Settings, unit: &Cut) -> Result<Hung, MeasureError> {
     let wanted = settings.angle.to_radians();
-    let unit = Cut {
-        direction: settings.direction,
-        length: first,
-        width: settings.width.unwrap_or(WIDTH * first),
-        edge: settings.edge.unwrap_or(first / EDGES),
-        seed,
-    };
-    unit.check()?;
     let mut before: Option<(f64, f64)> = None;
     let (mut scale, mut state) = (1.0, None);
     let mut reached = 0.0;
@@ -133,7 +142,7 @@ fn hang(
             length: scale * unit.length,
             width: scale * unit.width,
             edge: scale * unit.edge,
-            ..unit
+            ..*unit
         };
         fits(settings, &cut)?;
         let rest = at_rest(fabric, settings, &cut, state.take())?;

@@ -1,7 +1,7 @@
 //! The laboratory: each instrument builds a specimen as a scene, brings it to rest, and reads it.
 //!
 //! Every number comes as the mean over several unstructured meshes with its spread, beside what the fabric's
-//! constants say by closed form, and with the residual at which the state was taken for one of rest.
+//! constants say by closed form and, where the mesh matters, its change against a coarser one, and with the residual at which the state was taken for one of rest.
 
 mod cantilever;
 mod error;

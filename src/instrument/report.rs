@@ -15,6 +15,8 @@ pub struct Reading {
     pub value: f64,
     /// Largest less smallest over the meshes; 0 from a single one.
     pub spread: f64,
+    /// Change against a mesh with edges twice as long, where the mesh matters: what is left of its error is less.
+    pub mesh_change: Option<f64>,
     /// What the fabric's constants say by closed form, where there is one.
     pub expected: Option<f64>,
 }
@@ -37,7 +39,16 @@ impl Reading {
             unit,
             value: values.iter().sum::<f64>() / values.len() as f64,
             spread: range.1 - range.0,
+            mesh_change: None,
             expected,
+        }
+    }
+
+    /// With what a mesh of edges twice as long reads instead.
+    pub(super) fn against(self, coarse: f64) -> Self {
+        Self {
+            mesh_change: Some(self.value - coarse),
+            ..self
         }
     }
 

@@ -50,7 +50,9 @@ impl Cut {
     pub fn check(&self) -> Result<(), MeasureError> {
         for (field, size) in [("length", self.length), ("width", self.width)] {
             if size < 2.0 * self.edge {
-                let edge = self.edge;
+                // Sizes that suit the fabric have more digits than a reader wants.
+                let edge = (1e6 * self.edge).round() * 1e-6;
+                let size = (1e6 * size).round() * 1e-6;
                 let allowed = format!(
                     "at least {} m, two edges of the mesh (edge = {edge} m)",
                     2.0 * edge

@@ -168,19 +168,23 @@ fn verify_rigidity_of_all_fabrics() {
     }
 }
 
-/// The spread over meshes is real, and covers most of what is left of the error.
+/// The error is systematic: meshes of one fineness agree among themselves better than with the truth, and what tells
+/// is a coarser one. Spread and change together cover the error.
 #[test]
-fn several_meshes_give_a_spread() {
+fn spread_and_mesh_change_cover_the_error() {
     let fabric = spec("F9", PoissonCoupling::None);
-    let settings = Settings {
-        edge: Some(2e-3),
-        ..Settings::default()
-    };
-    let report = Instrument::Cantilever.measure(&fabric, &settings).unwrap();
+    let report = Instrument::Cantilever
+        .measure(&fabric, &Settings::default())
+        .unwrap();
     let reading = report.reading("flexural rigidity, exact").unwrap();
     println!("{reading:?}");
+    let (error, change) = (
+        reading.value - reading.expected.unwrap(),
+        reading.mesh_change.unwrap(),
+    );
     assert_eq!(report.meshes, 3);
-    assert!(reading.spread > 1e-6 * reading.value && reading.spread < 0.05 * reading.value);
+    assert!(reading.spread > 1e-6 * reading.value, "no spread");
+    assert!(error.abs() < change.abs() + reading.spread, "{reading:?}");
 }
 
 #[test]
