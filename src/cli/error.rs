@@ -4,7 +4,11 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use crate::node::NodeError;
+#[cfg(feature = "ros2")]
+use crate::node::ros2::Ros2Error;
+#[cfg(feature = "iceoryx2")]
+use crate::node::shared_memory::SharedMemoryError;
+use crate::node::{Difference, NodeError};
 use crate::scene::SceneError;
 use crate::sim::Diverged;
 
@@ -31,6 +35,25 @@ pub enum CliError {
     /// A run or a file that failed.
     #[error(transparent)]
     Node(#[from] NodeError),
+    /// A recording that is not whole.
+    #[error("{} is not whole: {count} fault{}", file.display(), if *count == 1 { "" } else { "s" })]
+    Faulty {
+        /// The recording.
+        file: PathBuf,
+        /// Faults that were told.
+        count: usize,
+    },
+    /// A replay that is not what was recorded.
+    #[error("{} differs at {difference}", file.display())]
+    Differs {
+        /// The recording.
+        file: PathBuf,
+        /// Where, and in what.
+        difference: Difference,
+    },
+    /// A running simulation said no.
+    #[error("{0}")]
+    Refused(String),
     /// Standard output does not take the result.
     #[error("cannot write to standard output: {0}")]
     Output(io::Error),
@@ -48,9 +71,22 @@ impl CliError {
                 | NodeError::Unreadable { .. }
                 | NodeError::NoSuchFrame { .. },
             ) => ExitCode::from(2),
+            #[cfg(feature = "iceoryx2")]
+            CliError::Node(NodeError::SharedMemory(
+                SharedMemoryError::Name { .. } | SharedMemoryError::NameTaken { .. },
+            )) => ExitCode::from(2),
+            #[cfg(feature = "ros2")]
+            CliError::Node(NodeError::Ros2(
+                Ros2Error::Variable { .. }
+                | Ros2Error::LanForbidden { .. }
+                | Ros2Error::Name { .. },
+            )) => ExitCode::from(2),
             CliError::Diverged { .. }
             | CliError::Measure(_)
             | CliError::Node(_)
+            | CliError::Faulty { .. }
+            | CliError::Differs { .. }
+            | CliError::Refused(_)
             | CliError::Output(_) => ExitCode::from(1),
         }
     }

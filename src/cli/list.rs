@@ -7,6 +7,7 @@ use super::{CliError, output};
 use crate::fabric::{catalogue, units};
 use crate::scene::{Scheme, library, parse};
 use crate::wire::channels;
+use crate::wire::inbound::{self, Inlet, InletKind};
 
 /// Arguments of `toile list`.
 #[derive(Args)]
@@ -28,6 +29,8 @@ enum What {
     Methods,
     /// Topics and message types of a recording.
     Messages,
+    /// Topics and services that commands come in on.
+    Commands,
 }
 
 /// A row of the table beside the same thing in JSON.
@@ -39,6 +42,7 @@ impl ListArgs {
             What::Scenes => (vec!["scene", "description"], scenes()?),
             What::Fabrics => (FABRIC_HEAD.to_vec(), fabrics()),
             What::Methods => (vec!["method", "description"], methods()),
+            What::Commands => (vec!["name", "kind", "type"], commands()),
             What::Messages => (vec!["topic", "type", "rate"], messages()),
         };
         let (rows, values): (Vec<_>, Vec<_>) = entries.into_iter().unzip();
@@ -113,6 +117,8 @@ fn messages() -> Vec<Entry> {
             channels::Rate::Output => "output.rate",
             channels::Rate::Mesh => "output.mesh_rate",
             channels::Rate::Event => "on event",
+            channels::Rate::Second => "every simulated second",
+            channels::Rate::Keyframe => "output.keyframe_interval",
         };
         (
             [topic, name, rate].map(str::to_string).to_vec(),
@@ -120,4 +126,20 @@ fn messages() -> Vec<Entry> {
         )
     };
     channels::ALL.iter().map(entry).collect()
+}
+
+fn commands() -> Vec<Entry> {
+    let entry = |inlet: &&'static Inlet| {
+        let (kind, kind_of_message) = match inlet.kind {
+            InletKind::Topic => ("topic", inlet.request.name),
+            InletKind::Service => ("service", inlet.service.map_or("", |s| s.name)),
+        };
+        (
+            [inlet.name, kind, kind_of_message]
+                .map(str::to_string)
+                .to_vec(),
+            json!({"name": inlet.name, "kind": kind, "type": kind_of_message}),
+        )
+    };
+    inbound::ALL.iter().map(entry).collect()
 }

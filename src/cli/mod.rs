@@ -3,19 +3,35 @@
 //! One file a verb, each with clap arguments and a `run`. Exit codes: 0 done, 1 the run failed or differed,
 //! 2 bad usage or input. Results go to standard output, everything else to standard error; an error is one line.
 
+#[cfg(feature = "ros2")]
+mod bridge;
 mod chart;
+mod commands;
 mod error;
 mod identify;
+mod info;
 mod list;
 mod measure;
 mod output;
 mod progress;
+mod recover;
+mod replay;
+#[cfg(feature = "ros2")]
+mod ros2;
 mod run;
 mod scene;
+#[cfg(feature = "iceoryx2")]
+mod send;
 mod show;
+mod signals;
 mod source;
 mod specimen;
 mod summary;
+#[cfg(feature = "iceoryx2")]
+mod transport;
+mod verify;
+#[cfg(feature = "iceoryx2")]
+mod watch;
 
 use std::process::ExitCode;
 
@@ -36,6 +52,14 @@ struct Cli {
 enum Verb {
     /// Simulate a scene and record it.
     Run(run::RunArgs),
+    /// Run a recording's commands again: the same bits, or where it differs.
+    Replay(replay::ReplayArgs),
+    /// Say what a recording holds.
+    Info(info::InfoArgs),
+    /// Check a recording: checksums, index, every message.
+    Verify(verify::VerifyArgs),
+    /// Complete a recording that was cut short.
+    Recover(recover::RecoverArgs),
     /// List what is built in.
     List(list::ListArgs),
     /// Print the TOML of a built-in scene, to start one's own from.
@@ -46,6 +70,15 @@ enum Verb {
     Measure(measure::MeasureArgs),
     /// Turn measured tests into the constants of a fabric.
     Identify(identify::IdentifyArgs),
+    /// Send a command to a running simulation.
+    #[cfg(feature = "iceoryx2")]
+    Send(send::SendArgs),
+    /// Print what a running simulation publishes.
+    #[cfg(feature = "iceoryx2")]
+    Watch(watch::WatchArgs),
+    /// Carry a run's channels and commands between shared memory and ROS 2; `run --ros2` starts one.
+    #[cfg(feature = "ros2")]
+    Bridge(bridge::BridgeArgs),
     /// Run and draw a chart: error against CPU time.
     Chart(chart::ChartArgs),
 }
@@ -58,11 +91,21 @@ pub fn main() -> ExitCode {
     };
     let done = match cli.verb {
         Verb::Run(args) => args.run(),
+        Verb::Replay(args) => args.run(),
+        Verb::Info(args) => args.run(),
+        Verb::Verify(args) => args.run(),
+        Verb::Recover(args) => args.run(),
         Verb::List(args) => args.run(),
         Verb::Scene(args) => args.run(),
         Verb::Show(args) => args.run(),
         Verb::Measure(args) => args.run(),
         Verb::Identify(args) => args.run(),
+        #[cfg(feature = "iceoryx2")]
+        Verb::Send(args) => args.run(),
+        #[cfg(feature = "iceoryx2")]
+        Verb::Watch(args) => args.run(),
+        #[cfg(feature = "ros2")]
+        Verb::Bridge(args) => args.run(),
         Verb::Chart(args) => args.run(),
     };
     match done {

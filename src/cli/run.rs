@@ -1,16 +1,22 @@
 //! `toile run`: simulate a scene and record it.
 
 use std::path::PathBuf;
+#[cfg(feature = "iceoryx2")]
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use clap::Args;
-use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::flag;
 
 use super::progress::Bar;
-use super::{CliError, output, source, summary};
-use crate::node::{self, NodeError, RunOptions};
+#[cfg(feature = "ros2")]
+use super::ros2::{self, Ros2Args};
+use super::{CliError, commands, output, signals, source, summary};
+#[cfg(feature = "ros2")]
+use crate::node::ros2::Supervisor;
+#[cfg(feature = "iceoryx2")]
+use crate::node::shared_memory::{Counts, RunName, SharedMemory};
+use crate::node::{self, NodeError, Order, Pace, RunOptions};
+#[cfg(feature = "iceoryx2")]
+use crate::node::{Carrier, Inbox};
 use crate::scene::{Override, Scene, Warning};
 
 /// Arguments of `toile run`.
@@ -44,6 +50,31 @@ pub(super) struct RunArgs {
     /// Threads of the solver; the result does not depend on it.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: u16,
+    /// Simulated against wall time: free (as fast as possible), real, a factor such as 0.5, or lockstep (steps only
+    /// when told).
+    #[arg(long, value_name = "P", default_value_t = Pace::Free, allow_negative_numbers = true)]
+    pace: Pace,
+    /// Start paused, until somebody says go.
+    #[arg(long)]
+    wait_for_start: bool,
+    /// Commands at set steps, a TOML file (see `toile list commands`).
+    #[arg(long, value_name = "FILE.toml")]
+    commands: Option<PathBuf>,
+    /// Publish over shared memory, and take commands from there.
+    #[cfg(feature = "iceoryx2")]
+    #[arg(long)]
+    shm: bool,
+    /// Name under which the run is found in shared memory.
+    #[cfg(feature = "iceoryx2")]
+    #[arg(long, value_name = "NAME", default_value_t)]
+    name: RunName,
+    /// The same on ROS 2, through a process of its own that reads and writes shared memory.
+    #[cfg(feature = "ros2")]
+    #[arg(long)]
+    ros2: bool,
+    #[cfg(feature = "ros2")]
+    #[command(flatten)]
+    bridge: Ros2Args,
     /// A JSON object instead of the summary.
     #[arg(long)]
     json: bool,
@@ -55,23 +86,40 @@ struct Job {
     warnings: Vec<Warning>,
     output: PathBuf,
     threads: usize,
+    /// Commands, each with the step after which it is due.
+    commands: Vec<(u64, Order)>,
 }
 
 impl RunArgs {
     pub(super) fn run(&self) -> Result<(), CliError> {
         let job = self.check()?;
-        let options = RunOptions {
+        let mut options = RunOptions {
             output: Some(job.output.clone()),
             threads: job.threads,
-            stop: stop_flag()?,
+            stop: signals::stop_flag()?,
+            pace: self.pace,
+            wait_for_start: self.wait_for_start,
             ..RunOptions::default()
         };
+        #[cfg(feature = "iceoryx2")]
+        let shared = self.share(&mut options)?;
+        options.inbox = options.inbox.scripted(job.commands);
+        let waits = options.wait_for_start || options.pace == Pace::Lockstep;
+        if waits && options.live.is_empty() && self.commands.is_none() {
+            return Err(CliError::Input(
+                "nobody could start this run; let others in with --shm or --ros2".to_string(),
+            ));
+        }
         for warning in &job.warnings {
             eprintln!("warning: {warning}");
         }
+        #[cfg(feature = "ros2")]
+        let bridge = self.bridge.supervise(self.ros2, &self.name)?;
         let bar = Bar::new(&job.scene.name);
         let result = node::run(&job.scene, options, &mut |progress| bar.show(progress));
         drop(bar);
+        #[cfg(feature = "ros2")]
+        let bridge = bridge.map(Supervisor::finish);
         let summary = result.map_err(|error| match error {
             NodeError::Diverged(diverged) => CliError::Diverged {
                 diverged,
@@ -79,10 +127,46 @@ impl RunArgs {
             },
             other => other.into(),
         })?;
-        match self.json {
-            true => output::print_json(&summary::json(&job.scene, &job.warnings, &summary)),
-            false => output::print(&summary::text(&job.scene, &summary)),
+        if self.json {
+            #[allow(unused_mut)]
+            let mut json = summary::json(&job.scene, &job.warnings, &summary);
+            #[cfg(feature = "iceoryx2")]
+            if let Some(counts) = shared {
+                json["shared_memory"] = shared_memory(&counts);
+            }
+            #[cfg(feature = "ros2")]
+            let json = ros2::with_bridge(json, bridge.as_ref());
+            return output::print_json(&json);
         }
+        let text = summary::text(&job.scene, &summary);
+        #[cfg(feature = "ros2")]
+        let text = ros2::text_with_bridge(text, bridge.as_ref());
+        output::print(&text)
+    }
+
+    /// Shared memory, if asked for.
+    #[cfg(feature = "iceoryx2")]
+    fn share(&self, options: &mut RunOptions) -> Result<Option<Arc<Counts>>, CliError> {
+        if !self.is_shared() {
+            return Ok(None);
+        }
+        let (mailbox, inbox) = Inbox::with_mailbox();
+        let carrier = SharedMemory::open(self.name.clone(), mailbox).map_err(NodeError::from)?;
+        let counts = carrier.counts();
+        let carrier: Box<dyn Carrier> = Box::new(carrier);
+        options.inbox = inbox;
+        options.live.push(("shared memory".to_string(), carrier));
+        Ok(Some(counts))
+    }
+
+    /// Whether others reach the run through shared memory; the bridge to ROS 2 is one of them.
+    #[cfg(feature = "iceoryx2")]
+    fn is_shared(&self) -> bool {
+        #[cfg(feature = "ros2")]
+        if self.ros2 {
+            return true;
+        }
+        self.shm
     }
 
     /// Scene, overrides and options into a job that can be run.
@@ -97,6 +181,10 @@ impl RunArgs {
             warnings,
             output,
             threads: usize::from(self.threads),
+            commands: match &self.commands {
+                Some(path) => commands::read(path)?,
+                None => vec![],
+            },
         })
     }
 
@@ -119,15 +207,21 @@ impl RunArgs {
     }
 }
 
-/// A flag that Ctrl-C and SIGTERM set, so that the run ends after the step at hand with its recording closed.
-/// A second signal ends the process at once.
-fn stop_flag() -> Result<Arc<AtomicBool>, CliError> {
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        // In this order, or the first signal would find the flag set already.
-        flag::register_conditional_shutdown(signal, 1, Arc::clone(&stop))
-            .and_then(|_| flag::register(signal, Arc::clone(&stop)))
-            .map_err(|error| CliError::Input(format!("cannot handle signals: {error}")))?;
+/// What went through shared memory, for the JSON summary; what went wrong there as a warning.
+#[cfg(feature = "iceoryx2")]
+fn shared_memory(counts: &Counts) -> serde_json::Value {
+    let [published, dropped, received, refused] = counts.all();
+    if dropped > 0 {
+        let reason = counts.failure().unwrap_or_else(|| "no memory".to_string());
+        eprintln!("warning: {dropped} messages were not published over shared memory: {reason}");
     }
-    Ok(stop)
+    if refused > 0 {
+        eprintln!("warning: {refused} of {received} requests over shared memory were refused");
+    }
+    serde_json::json!({
+        "published": published,
+        "dropped": dropped,
+        "received": received,
+        "refused": refused,
+    })
 }

@@ -34,7 +34,7 @@ fn within(name: &str, error: SceneError) -> CliError {
 fn read(name: &str) -> Result<String, CliError> {
     let failed = |error: io::Error| CliError::Input(format!("cannot read scene {name}: {error}"));
     if name == "-" {
-        return text(name, io::stdin().lock());
+        return text("scene -", io::stdin().lock());
     }
     if !Path::new(name).exists() {
         let known: Vec<_> = library::names().collect();
@@ -43,11 +43,19 @@ fn read(name: &str) -> Result<String, CliError> {
             known.join(", ")
         )));
     }
-    text(name, File::open(name).map_err(failed)?)
+    text(&format!("scene {name}"), File::open(name).map_err(failed)?)
+}
+
+/// The text of a file of the user's.
+pub(super) fn file(path: &Path) -> Result<String, CliError> {
+    let name = path.display().to_string();
+    let file = File::open(path)
+        .map_err(|error| CliError::Input(format!("cannot open {name}: {error}")))?;
+    text(&name, file)
 }
 
 fn text(name: &str, source: impl Read) -> Result<String, CliError> {
-    let refuse = |reason: &str| CliError::Input(format!("cannot read scene {name}: {reason}"));
+    let refuse = |reason: &str| CliError::Input(format!("cannot read {name}: {reason}"));
     let mut bytes = vec![];
     source
         .take(LONGEST + 1)

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::output;
-use crate::node::{Peak, Summary};
+use crate::node::{Orders, Pace, Peak, Summary};
 use crate::scene::{Scene, Warning, needs};
 use crate::sim::Energies;
 
@@ -46,6 +46,7 @@ pub(super) fn text(scene: &Scene, run: &Summary) -> String {
             run.wall_seconds, run.cpu_seconds
         ),
     ));
+    rows.extend(told(run));
     let mut next = String::new();
     if let Some(path) = &run.recording {
         let (file, megabytes) = (path.display(), run.recording_bytes as f64 * 1e-6);
@@ -64,6 +65,40 @@ pub(super) fn text(scene: &Scene, run: &Summary) -> String {
     head + &output::table(&rows) + &next
 }
 
+/// What came in, came late, what was dropped; nothing of what there was not.
+fn told(run: &Summary) -> Vec<(&'static str, String)> {
+    let (orders, late) = (&run.orders, &run.lateness);
+    let mut rows = vec![];
+    if *orders != Orders::default() {
+        let counts = format!(
+            "{} applied, {} rejected, {} malformed, {} dropped",
+            orders.applied, orders.rejected, orders.malformed, orders.dropped
+        );
+        rows.push(("commands", counts));
+    }
+    if let Pace::Factor(_) = run.pace {
+        let counts = format!(
+            "{}: {} of {} steps late, by {} ms at most; {} s given up",
+            run.pace,
+            late.overruns,
+            run.steps,
+            output::significant(1e3 * late.worst, 3),
+            output::significant(late.slipped, 3)
+        );
+        rows.push(("pace", counts));
+    }
+    for live in &run.live {
+        let failure = live.failure.as_ref();
+        let failure = failure.map_or(String::new(), |reason| format!("; FAILED: {reason}"));
+        let counts = format!(
+            "{}: {} messages, {} dropped{failure}",
+            live.name, live.carried, live.dropped
+        );
+        rows.push(("carrier", counts));
+    }
+    rows
+}
+
 /// The terms that the scene pays for.
 fn physics(scene: &Scene) -> String {
     let terms: Vec<_> = needs(scene).iter().map(|(term, _)| term.name()).collect();
@@ -72,7 +107,7 @@ fn physics(scene: &Scene) -> String {
 
 fn simulated(scene: &Scene, run: &Summary) -> String {
     let end = match run.stopped {
-        true => format!(" (stopped by a signal before {} s)", scene.duration),
+        true => format!(" (stopped before {} s)", scene.duration),
         false => String::new(),
     };
     let converged = match run.converged {
@@ -112,7 +147,7 @@ fn exchanged(energies: &Energies) -> String {
         ("damping", energies.damping),
         ("friction", energies.friction),
     ]);
-    let put = millijoules(&[("supports", energies.supports)]);
+    let put = millijoules(&[("supports", energies.supports), ("air", energies.air)]);
     format!("out by {taken}; in by {put}")
 }
 
@@ -142,6 +177,10 @@ pub(super) fn json(scene: &Scene, warnings: &[Warning], run: &Summary) -> Value 
         "deepest_penetration": run.deepest_penetration,
         // Programs read JSON numbers as doubles, which do not hold 64 bits.
         "digest": format!("{:016x}", run.digest),
+        "pace": run.pace.to_string(),
+        "lateness": run.lateness,
+        "commands": run.orders,
+        "live": run.live,
         "wall_seconds": run.wall_seconds,
         "cpu_seconds": run.cpu_seconds,
         "recording": run.recording,

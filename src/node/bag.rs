@@ -10,7 +10,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::NodeError;
-use crate::wire::channels;
+use crate::wire::channels::Channel;
 
 /// What rosbag2 reads first of a bag.
 const METADATA: &str = "metadata.yaml";
@@ -85,39 +85,71 @@ impl Destination {
     }
 }
 
-/// What rosbag2's metadata counts.
+/// A topic of a recording.
+#[derive(Clone, Debug)]
+pub(super) struct Track {
+    pub channel: &'static Channel,
+    pub topic: String,
+    /// Number of its channel record.
+    pub id: u16,
+    /// Messages so far.
+    pub count: u32,
+}
+
+impl Track {
+    /// Channel and sequence number of one more message.
+    pub(super) fn next(&mut self) -> (u16, u32) {
+        self.count += 1;
+        (self.id, self.count)
+    }
+}
+
+/// What a recording holds, as rosbag2's metadata counts it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tally {
-    /// Messages per channel, in the order of [`channels::ALL`].
-    counts: [u64; channels::ALL.len()],
+    /// In the order in which they were announced.
+    tracks: Vec<Track>,
     /// Time of the last message \[ns\]; the first is at 0.
     last: u64,
 }
 
 impl Tally {
-    /// Counts a message on a channel at a time \[ns\].
-    pub(super) fn count(&mut self, channel: usize, stamp: u64) {
-        self.counts[channel] += 1;
+    /// A topic that has been announced.
+    pub(super) fn find(&mut self, topic: &str) -> Option<&mut Track> {
+        self.tracks.iter_mut().find(|track| track.topic == topic)
+    }
+
+    /// A new topic.
+    pub(super) fn add(&mut self, track: Track) -> &mut Track {
+        let index = self.tracks.len();
+        self.tracks.push(track);
+        &mut self.tracks[index]
+    }
+
+    /// The recording goes up to a time \[ns\].
+    pub(super) fn reach(&mut self, stamp: u64) {
         self.last = self.last.max(stamp);
     }
 
     /// `metadata.yaml`, version 5 (Humble reads no newer one).
     fn yaml(&self, file: &str) -> String {
-        let (total, last) = (self.counts.iter().sum::<u64>(), self.last);
+        let total: u64 = self.tracks.iter().map(|t| u64::from(t.count)).sum();
+        let last = self.last;
         let mut text = format!(
             "rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: mcap\n  \
              duration:\n    nanoseconds: {last}\n  \
              starting_time:\n    nanoseconds_since_epoch: 0\n  \
              message_count: {total}\n  topics_with_message_count:\n"
         );
-        for (channel, count) in channels::ALL.iter().zip(self.counts) {
+        for track in &self.tracks {
+            let (channel, count) = (track.channel, track.count);
             let qos = channel.qos.offered_profiles().replace('\n', "\\n");
             let _ = write!(
                 text,
                 "    - topic_metadata:\n        name: {}\n        type: {}\n        \
                  serialization_format: cdr\n        offered_qos_profiles: \"{qos}\"\n      \
                  message_count: {count}\n",
-                channel.topic, channel.message.name
+                track.topic, channel.message.name
             );
         }
         text + &format!(

@@ -56,6 +56,22 @@ pub enum NodeError {
         /// States in the recording.
         count: usize,
     },
+    /// Somebody stopped a replay.
+    #[error("stopped after step {step} of {last}; the replay agrees up to there")]
+    ReplayStopped {
+        /// Steps taken.
+        step: u64,
+        /// Steps of the recording.
+        last: u64,
+    },
+    /// Shared memory does not do what was asked.
+    #[cfg(feature = "iceoryx2")]
+    #[error(transparent)]
+    SharedMemory(#[from] super::shared_memory::SharedMemoryError),
+    /// ROS 2 does not do what was asked.
+    #[cfg(feature = "ros2")]
+    #[error(transparent)]
+    Ros2(#[from] super::ros2::Ros2Error),
     /// The recorder thread ended without a word.
     #[error("the recorder thread panicked; the recording ends at its last complete chunk")]
     RecorderLost,

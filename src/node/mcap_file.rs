@@ -13,11 +13,12 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
 use mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
 
-use super::bag::{Destination, Tally};
+use super::bag::{Destination, Tally, Track};
 use super::store::Store;
-use super::{Carrier, NodeError, seal};
+use super::{About, Carrier, NodeError, seal};
 use crate::sim::Model;
-use crate::wire::{Packet, channels};
+use crate::wire::Packet;
+use crate::wire::channels::{self, Channel};
 
 /// Name of the metadata record and prefix of what toile adds to a file.
 pub(super) const TOILE: &str = "toile";
@@ -41,14 +42,16 @@ pub(super) fn write_options() -> WriteOptions {
 pub struct McapFile {
     destination: Destination,
     writer: Writer<NoSeek<Store>>,
-    /// Number, message count per channel, in the order of [`channels::ALL`].
-    channels: Vec<(u16, u32)>,
     tally: Tally,
 }
 
 impl McapFile {
     /// Creates the file and writes everything that explains it.
-    pub fn create(destination: Destination, model: &Model) -> Result<Self, NodeError> {
+    pub fn create(
+        destination: Destination,
+        model: &Model,
+        about: &About,
+    ) -> Result<Self, NodeError> {
         destination.prepare()?;
         let path = destination.file().to_path_buf();
         let file = File::create(&path).map_err(NodeError::file("create", &path))?;
@@ -59,10 +62,9 @@ impl McapFile {
         let mut recording = Self {
             destination,
             writer,
-            channels: vec![],
             tally: Tally::default(),
         };
-        recording.explain(model)?;
+        recording.explain(model, about)?;
         recording.announce().map_err(|e| failure(&path, e))?;
         Ok(recording)
     }
@@ -72,20 +74,15 @@ impl McapFile {
     }
 
     /// Metadata and attachments.
-    fn explain(&mut self, model: &Model) -> Result<(), NodeError> {
+    fn explain(&mut self, model: &Model, about: &About) -> Result<(), NodeError> {
         let path = self.path().to_path_buf();
         let scene = to_toml(&path, &model.scene)?;
         let fabric = to_toml(&path, &model.fabric)?;
-        let metadata = [
-            ("version", env!("CARGO_PKG_VERSION")),
-            ("scene", &model.scene.name),
-            ("fabric", &model.fabric.name),
-        ];
-        let metadata = metadata.map(|(key, value)| (key.to_string(), value.to_string()));
+        let metadata = about.to_metadata();
         let mut write = || {
             self.writer.write_metadata(&Metadata {
                 name: TOILE.to_string(),
-                metadata: metadata.clone().into(),
+                metadata: metadata.clone(),
             })?;
             self.writer.attach(&attachment(SCENE_ATTACHMENT, &scene))?;
             self.writer.attach(&attachment(FABRIC_ATTACHMENT, &fabric))
@@ -93,26 +90,52 @@ impl McapFile {
         write().map_err(|e| failure(&path, e))
     }
 
-    /// Schema and channel records of the whole table, in its order.
+    /// Schema and channel records of all topics that are known beforehand, in the order of the table.
     fn announce(&mut self) -> Result<(), McapError> {
         for channel in channels::ALL {
-            let message = channel.message;
-            let schema =
-                self.writer
-                    .add_schema(message.name, "ros2msg", message.schema.as_bytes())?;
-            let metadata = BTreeMap::from(
-                [
-                    ("offered_qos_profiles", channel.qos.offered_profiles()),
-                    ("topic_type_hash", message.hash.to_string()),
-                ]
-                .map(|(key, value)| (key.to_string(), value)),
-            );
-            let id = self
-                .writer
-                .add_channel(schema, channel.topic, "cdr", &metadata)?;
-            self.channels.push((id, 0));
+            if !channel.is_per_obstacle() {
+                self.open(channel, channel.topic)?;
+            }
         }
         Ok(())
+    }
+
+    /// Schema and channel record of a topic.
+    fn open(&mut self, channel: &'static Channel, topic: &str) -> Result<&mut Track, McapError> {
+        let message = channel.message;
+        let schema = self
+            .writer
+            .add_schema(message.name, "ros2msg", message.schema.as_bytes())?;
+        let metadata = BTreeMap::from(
+            [
+                ("offered_qos_profiles", channel.qos.offered_profiles()),
+                ("topic_type_hash", message.hash.to_string()),
+            ]
+            .map(|(key, value)| (key.to_string(), value)),
+        );
+        let id = self.writer.add_channel(schema, topic, "cdr", &metadata)?;
+        Ok(self.tally.add(Track {
+            channel,
+            topic: topic.to_string(),
+            id,
+            count: 0,
+        }))
+    }
+
+    fn write(&mut self, packet: &Packet) -> Result<(), McapError> {
+        let topic = packet.topic();
+        let (channel_id, sequence) = match self.tally.find(&topic) {
+            Some(track) => track.next(),
+            None => self.open(packet.channel, &topic)?.next(),
+        };
+        self.tally.reach(packet.stamp);
+        let header = MessageHeader {
+            channel_id,
+            sequence,
+            log_time: packet.stamp,
+            publish_time: packet.stamp,
+        };
+        self.writer.write_to_known_channel(&header, &packet.bytes)
     }
 
     /// The space ran out: completes the file with what is in it.
@@ -128,19 +151,7 @@ impl McapFile {
 
 impl Carrier for McapFile {
     fn publish(&mut self, packet: &Packet) -> Result<(), NodeError> {
-        let mut table = channels::ALL.iter();
-        let index = table.position(|c| std::ptr::eq(*c, packet.channel));
-        let index = index.expect("packets are made for channels of the table only");
-        let (channel_id, sequence) = &mut self.channels[index];
-        *sequence += 1;
-        let header = MessageHeader {
-            channel_id: *channel_id,
-            sequence: *sequence,
-            log_time: packet.stamp,
-            publish_time: packet.stamp,
-        };
-        self.tally.count(index, packet.stamp);
-        let result = self.writer.write_to_known_channel(&header, &packet.bytes);
+        let result = self.write(packet);
         result.map_err(|e| self.rescue(e))
     }
 

@@ -1,12 +1,13 @@
 //! The recorder: a thread that encodes each instant once and hands the bytes to every carrier.
 
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::collections::BTreeMap;
+use std::sync::mpsc::{Receiver, Sender, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
 use super::{Carrier, NodeError};
 use crate::contact::Obstacle;
 use crate::sim::{Model, State, StepReport};
-use crate::wire;
+use crate::wire::{self, Packet};
 
 /// Instants that may wait to be written. When they are all taken the step waits too: nothing is dropped.
 const QUEUE: usize = 4;
@@ -15,12 +16,22 @@ const QUEUE: usize = 4;
 pub(super) struct Instant {
     pub state: State,
     pub report: StepReport,
-    pub with_mesh: bool,
+    pub extras: wire::Extras,
+}
+
+/// What the loop says.
+pub(super) enum Said {
+    /// A state, to be encoded here.
+    Instant(Box<Instant>),
+    /// What is encoded already.
+    Packets(Vec<Packet>),
+    /// An answer that somebody waits for; it follows all that was said before.
+    Answer(Sender<Vec<u8>>, Vec<u8>),
 }
 
 /// The sending end, and the thread.
 pub(super) struct Recorder {
-    sender: SyncSender<Instant>,
+    sender: SyncSender<Said>,
     thread: JoinHandle<Result<(), NodeError>>,
 }
 
@@ -39,9 +50,9 @@ impl Recorder {
         Ok(Self { sender, thread })
     }
 
-    /// Hands over an instant; false if the thread has ended, which [`finish`](Self::finish) explains.
-    pub fn publish(&self, instant: Instant) -> bool {
-        self.sender.send(instant).is_ok()
+    /// Hands something over; false if the thread has ended, which [`finish`](Self::finish) explains.
+    pub fn publish(&self, said: Said) -> bool {
+        self.sender.send(said).is_ok()
     }
 
     /// Waits until all is written and closed.
@@ -55,28 +66,52 @@ fn record(
     model: &Model,
     obstacles: &[Obstacle],
     mut carriers: Vec<Box<dyn Carrier>>,
-    receiver: &Receiver<Instant>,
+    receiver: &Receiver<Said>,
 ) -> Result<(), NodeError> {
-    carry(&mut carriers, &wire::preamble(model, obstacles)?)?;
-    for Instant {
-        state,
-        report,
-        with_mesh,
-    } in receiver
-    {
-        let extras = wire::Extras {
-            with_mesh,
-            ..wire::Extras::default()
+    let mut encoder = wire::Encoder::default();
+    let mut numbers = Numbers::default();
+    carry(
+        &mut carriers,
+        numbers.number(encoder.preamble(model, obstacles)?),
+    )?;
+    for said in receiver {
+        let packets = match said {
+            Said::Packets(packets) => packets,
+            Said::Instant(instant) => {
+                let Instant {
+                    state,
+                    report,
+                    extras,
+                } = *instant;
+                encoder.instant(model, &state, &report, extras)?
+            }
+            Said::Answer(reply, bytes) => {
+                // Who no longer waits does not mind.
+                let _ = reply.send(bytes);
+                continue;
+            }
         };
-        carry(
-            &mut carriers,
-            &wire::instant(model, &state, &report, &extras)?,
-        )?;
+        carry(&mut carriers, numbers.number(packets))?;
     }
     carriers.iter_mut().try_for_each(|carrier| carrier.close())
 }
 
-fn carry(carriers: &mut [Box<dyn Carrier>], packets: &[wire::Packet]) -> Result<(), NodeError> {
+/// Counts the messages of each topic, before any carrier can lose one: who misses some can tell.
+#[derive(Default)]
+struct Numbers(BTreeMap<String, u64>);
+
+impl Numbers {
+    fn number(&mut self, mut packets: Vec<Packet>) -> Vec<Packet> {
+        for packet in &mut packets {
+            let next = self.0.entry(packet.topic().into_owned()).or_default();
+            packet.sequence = *next;
+            *next += 1;
+        }
+        packets
+    }
+}
+
+fn carry(carriers: &mut [Box<dyn Carrier>], packets: Vec<Packet>) -> Result<(), NodeError> {
     for carrier in carriers {
         packets
             .iter()

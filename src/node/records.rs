@@ -50,6 +50,21 @@ pub(super) fn spans(file: &mut File, path: &Path) -> Result<Vec<Span>, NodeError
     Ok(spans)
 }
 
+/// Whether the file ends as one does that was closed.
+pub(super) fn ends_with_magic(file: &mut File, path: &Path) -> Result<bool, NodeError> {
+    let length = file
+        .metadata()
+        .map_err(NodeError::file("read", path))?
+        .len();
+    let mut magic = [0; mcap::MAGIC.len()];
+    // A file of one magic alone has only begun.
+    if length < 2 * magic.len() as u64 {
+        return Ok(false);
+    }
+    read_at(file, length - magic.len() as u64, &mut magic, path)?;
+    Ok(magic == mcap::MAGIC)
+}
+
 /// One record of the file.
 pub(super) fn record(
     file: &mut File,

@@ -1,14 +1,18 @@
-//! The loop: step, publish, until the scene's duration is over or somebody says stop.
+//! A run: a scene, what it publishes to and listens to, and what came of it.
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use super::clock::Stopwatch;
-use super::recorder::{Instant, Recorder};
-use super::{Carrier, Destination, McapFile, NodeError, Summary};
+use super::drive::{Drive, End};
+use super::live::Gauge;
+use super::mode::Mode;
+use super::pace::Pacer;
+use super::recorder::Recorder;
+use super::{About, Carrier, Destination, Inbox, Live, McapFile, NodeError, Pace, Summary};
 use crate::scene::Scene;
-use crate::sim::{Simulation, StepReport};
+use crate::sim::Simulation;
 
 /// How a scene is run.
 #[derive(Default)]
@@ -19,8 +23,16 @@ pub struct RunOptions {
     pub threads: usize,
     /// Set from outside (a signal handler) to end the run after the step at hand, recording closed properly.
     pub stop: Arc<AtomicBool>,
-    /// Further carriers of the same bytes.
+    /// Further carriers of the same bytes, which drop nothing: the run waits for them.
     pub carriers: Vec<Box<dyn Carrier>>,
+    /// Carriers that the run never waits for, by name; see [`Live`].
+    pub live: Vec<(String, Box<dyn Carrier>)>,
+    /// What the world asks of the run.
+    pub inbox: Inbox,
+    /// How simulated time goes against the wall.
+    pub pace: Pace,
+    /// Whether the run starts paused; with [`Pace::Lockstep`] it always does.
+    pub wait_for_start: bool,
 }
 
 /// Where a run is, after each step.
@@ -39,8 +51,10 @@ pub struct Progress {
 /// Runs a checked scene to its end.
 ///
 /// A state is published every `1 / output.rate`, rounded to whole steps, the surface every
-/// `1 / output.mesh_rate`, rounded to whole outputs; the first and the last state always, with the surface.
-/// When a step diverges the last good state is recorded, the recording closed, and the error returned.
+/// `1 / output.mesh_rate`, rounded to whole outputs; besides, with the surface, the first and the last state and
+/// any at which the run pauses. Orders are taken at step boundaries. The run ends with the scene's duration, by
+/// order, by `options.stop`, or when it is paused and nobody is left who could say go. When a step diverges the
+/// last good state is recorded, the recording closed, and the error returned.
 pub fn run(
     scene: &Scene,
     options: RunOptions,
@@ -50,14 +64,34 @@ pub fn run(
     let mut simulation = Simulation::new(scene, options.threads.max(1))?;
     let destination = options.output.as_deref().map(Destination::new);
     let mut carriers = options.carriers;
+    let paused = options.wait_for_start || options.pace == Pace::Lockstep;
     if let Some(destination) = &destination {
-        let file = McapFile::create(destination.clone(), simulation.model())?;
+        let about = About::run(simulation.model(), options.pace, paused);
+        let file = McapFile::create(destination.clone(), simulation.model(), &about)?;
         carriers.push(Box::new(file));
+    }
+    let mut gauges = vec![];
+    for (name, carrier) in options.live {
+        let live = Live::start(&name, carrier)?;
+        gauges.push(live.gauge());
+        carriers.push(Box::new(live));
     }
     let obstacles = simulation.state().obstacles.clone();
     let recorder = Recorder::start(simulation.model().clone(), obstacles, carriers)?;
-    let mut summary = Summary::new();
-    let stepped = advance(&mut simulation, &recorder, &options.stop, &mut |report| {
+    let mut summary = Summary::new(options.pace);
+    let pacer = Pacer::new(options.pace);
+    let mut drive = Drive::new(
+        &mut simulation,
+        &recorder,
+        options.inbox,
+        pacer,
+        &options.stop,
+    );
+    drive.gauges = &gauges;
+    if paused {
+        drive.mode = Mode::Paused;
+    }
+    let ended = drive.run(&mut |report| {
         summary.add(report);
         progress(&Progress {
             time: report.time,
@@ -66,12 +100,15 @@ pub fn run(
             wall_seconds: watch.wall_seconds(),
         });
     });
+    summary.orders = drive.orders;
+    summary.lateness = drive.pacer.lateness();
     recorder.finish()?;
-    summary.stopped = stepped? == End::Stopped;
+    summary.stopped = ended? == End::Stopped;
     let names = scene.observe.keys().cloned();
     summary.readings = names
         .zip(simulation.report().readings.iter().copied())
         .collect();
+    summary.live = gauges.iter().map(Gauge::tally).collect();
     summary.recording = destination.map(|d| d.file().to_path_buf());
     let size = summary
         .recording
@@ -81,89 +118,4 @@ pub fn run(
     summary.wall_seconds = watch.wall_seconds();
     summary.cpu_seconds = watch.cpu_seconds();
     Ok(summary)
-}
-
-/// Why the loop ended without an error of the physics.
-#[derive(PartialEq, Eq)]
-enum End {
-    /// All steps taken, or the recorder gave up (which its own error explains).
-    Done,
-    /// The stop flag.
-    Stopped,
-}
-
-/// Steps to the end, publishing at the scene's rates.
-fn advance(
-    simulation: &mut Simulation,
-    recorder: &Recorder,
-    stop: &AtomicBool,
-    after_step: &mut dyn FnMut(&StepReport),
-) -> Result<End, NodeError> {
-    let schedule = Schedule::new(&simulation.model().scene);
-    let mut open = recorder.publish(instant(simulation, schedule.with_mesh));
-    for step in 1..=schedule.steps {
-        if !open {
-            return Ok(End::Done);
-        }
-        let report = match simulation.step() {
-            Ok(report) => report,
-            Err(diverged) => {
-                if !schedule.output(step - 1) {
-                    recorder.publish(instant(simulation, schedule.with_mesh));
-                }
-                return Err(diverged.into());
-            }
-        };
-        after_step(report);
-        let stopped = stop.load(Ordering::Relaxed) && step < schedule.steps;
-        let last = stopped || step == schedule.steps;
-        if last || schedule.output(step) {
-            let with_mesh = schedule.with_mesh && (last || schedule.mesh(step));
-            open = recorder.publish(instant(simulation, with_mesh));
-        }
-        if stopped {
-            return Ok(End::Stopped);
-        }
-    }
-    Ok(End::Done)
-}
-
-fn instant(simulation: &Simulation, with_mesh: bool) -> Instant {
-    Instant {
-        state: simulation.state().clone(),
-        report: simulation.report().clone(),
-        with_mesh,
-    }
-}
-
-/// Which steps are published.
-struct Schedule {
-    steps: u64,
-    /// Steps between outputs.
-    output: u64,
-    /// Steps between surfaces.
-    mesh: u64,
-    with_mesh: bool,
-}
-
-impl Schedule {
-    fn new(scene: &Scene) -> Self {
-        let output = scene.output_steps();
-        let interval = 1.0 / (scene.output.mesh_rate * scene.method.dt);
-        let surfaces = ((interval / output as f64).round() as u64).max(1);
-        Self {
-            steps: scene.steps(),
-            output,
-            mesh: output.saturating_mul(surfaces),
-            with_mesh: scene.output.mesh_rate > 0.0,
-        }
-    }
-
-    fn output(&self, step: u64) -> bool {
-        step.is_multiple_of(self.output)
-    }
-
-    fn mesh(&self, step: u64) -> bool {
-        step.is_multiple_of(self.mesh)
-    }
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
+use super::{Lateness, LiveTally, Pace};
 use crate::sim::{Energies, StepReport, Work};
 
 /// A quantity of every step, in the unit of its field.
@@ -20,6 +21,19 @@ impl Peak {
         self.largest = self.largest.max(value);
         self.end = value;
     }
+}
+
+/// What became of the orders that came in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Orders {
+    /// Taken.
+    pub applied: u64,
+    /// Understood, but not what the scene or the state allows.
+    pub rejected: u64,
+    /// Not understood.
+    pub malformed: u64,
+    /// Lost because too many were waiting.
+    pub dropped: u64,
 }
 
 /// What a run came to.
@@ -45,6 +59,14 @@ pub struct Summary {
     pub converged: bool,
     /// Digest of the last state.
     pub digest: u64,
+    /// How simulated time went against the wall.
+    pub pace: Pace,
+    /// How late a paced run was.
+    pub lateness: Lateness,
+    /// Orders that came in.
+    pub orders: Orders,
+    /// Live carriers.
+    pub live: Vec<LiveTally>,
     /// Wall time \[s\].
     pub wall_seconds: f64,
     /// CPU time of the whole process, recording included \[s\].
@@ -57,8 +79,9 @@ pub struct Summary {
 
 impl Summary {
     /// Of a run that has taken no step.
-    pub(super) fn new() -> Self {
+    pub(super) fn new(pace: Pace) -> Self {
         Self {
+            pace,
             converged: true,
             ..Self::default()
         }

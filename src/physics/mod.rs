@@ -3,6 +3,7 @@
 pub mod bend;
 pub mod contact;
 pub mod damping;
+pub mod drag;
 pub mod friction;
 pub mod gravity;
 mod stencil;
@@ -11,4 +12,4 @@ pub mod stretch;
 mod suite;
 pub mod support;
 
-pub use stencil::{Block, Gradient, Hessian, Nodes, Potential};
+pub use stencil::{Block, Gradient, Hessian, Load, Nodes, Potential};

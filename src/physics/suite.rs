@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use super::stencil::{Gradient, Hessian, Nodes, Potential};
+use super::stencil::{Gradient, Hessian, Load, Nodes, Potential};
 
 /// Difference steps over the stencil's length: half a decade apart, 3e-2 down to 1e-11.
 const STEPS: i32 = 20;
@@ -92,6 +92,39 @@ pub fn against<const N: usize>(
         sweep(length, &format!("{name}: Hessian"), |step| {
             let [ahead, behind] = [step, -step].map(|h| flat(&reference.gradient(s, &at(h))));
             ((ahead - behind) / (2.0 * step) - &turn).norm() / hessian.norm()
+        });
+    }
+}
+
+/// Both derivatives of a load against differences of its force. Steps are fractions of `length` and `speed`.
+pub fn load<const N: usize>(
+    term: &impl Load<N>,
+    s: usize,
+    (x, v): (&Nodes<N>, &Nodes<N>),
+    (length, speed): (f64, f64),
+    name: &str,
+) {
+    let mut chance = Chance::new(8);
+    let [by_place, by_rate] =
+        [term.by_position(s, x, v), term.by_velocity(s, x, v)].map(|m| dense(&m));
+    for _ in 0..3 {
+        let way: Nodes<N> = chance.nodes(1.0);
+        let at = |from: &Nodes<N>, step: f64| -> Nodes<N> {
+            std::array::from_fn(|k| from[k] + way[k] * step)
+        };
+        let place = &by_place * flat(&way);
+        if by_place.norm() == 0.0 {
+            assert_eq!(term.force(s, &at(x, length), v), term.force(s, x, v));
+        } else {
+            sweep(length, &format!("{name}: by position"), |step| {
+                let [ahead, behind] = [step, -step].map(|h| flat(&term.force(s, &at(x, h), v)));
+                ((ahead - behind) / (2.0 * step) - &place).norm() / by_place.norm()
+            });
+        }
+        let rate = &by_rate * flat(&way);
+        sweep(speed, &format!("{name}: by velocity"), |step| {
+            let [ahead, behind] = [step, -step].map(|h| flat(&term.force(s, x, &at(v, h))));
+            ((ahead - behind) / (2.0 * step) - &rate).norm() / by_rate.norm()
         });
     }
 }
@@ -191,10 +224,10 @@ pub fn rest<const N: usize>(
     );
 }
 
-fn flat<const N: usize>(nodes: &Gradient<N>) -> DVector<f64> {
+pub fn flat<const N: usize>(nodes: &Gradient<N>) -> DVector<f64> {
     DVector::from_iterator(3 * N, nodes.iter().flat_map(|v| v.iter().copied()))
 }
 
-fn dense<const N: usize>(blocks: &Hessian<N>) -> DMatrix<f64> {
+pub fn dense<const N: usize>(blocks: &Hessian<N>) -> DMatrix<f64> {
     DMatrix::from_fn(3 * N, 3 * N, |i, j| blocks[i / 3][j / 3][(i % 3, j % 3)])
 }

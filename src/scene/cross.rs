@@ -13,7 +13,15 @@ type Conflict = (String, Problem);
 
 /// Checks a scene whose keys are each in range. `document` says where they were written.
 pub(super) fn check(scene: &Scene, document: &Node) -> Result<(), SceneError> {
-    let checks = [mesh_size, outline, fabric, supports, observations, times];
+    let checks = [
+        mesh_size,
+        outline,
+        fabric,
+        supports,
+        air,
+        observations,
+        times,
+    ];
     for check in checks {
         check(scene).map_err(|(key, problem)| {
             let (node, exact) = document.find(&key);
@@ -112,6 +120,15 @@ fn supports(scene: &Scene) -> Result<(), Conflict> {
         }
     }
     Ok(())
+}
+
+fn air(scene: &Scene) -> Result<(), Conflict> {
+    match scene.air.and_then(|air| air.region) {
+        Some(region) if !(0..3).all(|i| region.min[i] < region.max[i]) => {
+            conflict("air.region.min", "must be less than max in x, y and z")
+        }
+        _ => Ok(()),
+    }
 }
 
 fn observations(scene: &Scene) -> Result<(), Conflict> {

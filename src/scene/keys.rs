@@ -4,7 +4,7 @@
 //! possible but unwise is left to warnings. `tests/it/scene.rs` holds this table against the serde types.
 
 use super::quantity::{Range, range};
-use super::ranges::{FRICTION, PLACE, SIZE, SPEED, TURN_RATE};
+use super::ranges::{FLUID_DAMPING, FRICTION, PLACE, SIZE, SPEED, TIME, TURN_RATE, WIND};
 
 /// One key of a table.
 pub(super) struct Key {
@@ -76,6 +76,7 @@ pub(super) const SCENE: &[Key] = &[
     need("fabric", Table(FABRIC)),
     may("support", Named(SUPPORT)),
     may("obstacle", Named(OBSTACLE)),
+    may("air", Table(AIR)),
     may("perturbation", Table(PERTURBATION)),
     may("method", Table(METHOD)),
     may("output", Table(OUTPUT)),
@@ -165,6 +166,17 @@ const SHAPE: &[(&str, &[Key])] = &[
     ),
 ];
 
+const AIR: &[Key] = &[
+    need("fluid_damping", Number(FLUID_DAMPING)),
+    may("velocity", Vector(3, WIND)),
+    may("region", Table(AIR_REGION)),
+    may("rise", Number(TIME)),
+    may("start", Number(TIME)),
+    may("hold", Number(TIME)),
+];
+
+const AIR_REGION: &[Key] = &[need("min", Vector(3, PLACE)), need("max", Vector(3, PLACE))];
+
 const PERTURBATION: &[Key] = &[
     may("amplitude", Number(range(0.0, 0.1, "m"))),
     may("seed", SEED),
@@ -189,6 +201,7 @@ const SCHEMES: &[&str] = &[
 const OUTPUT: &[Key] = &[
     may("rate", Number(range(1e-3, 1e6, "Hz"))),
     may("mesh_rate", Number(range(0.0, 1e6, "Hz"))),
+    may("keyframe_interval", Number(range(0.0, 1e5, "s"))),
 ];
 
 const OBSERVE: &[Key] = &[

@@ -1,8 +1,12 @@
 //! The built-in scenes, embedded so that the binary runs with nothing beside it.
 
 /// Name and text of each, in the order of `toile list scenes`.
-const SCENES: [(&str, &str); 6] = [
+const SCENES: [(&str, &str); 7] = [
     ("drape-table", include_str!("library/drape-table.toml")),
+    (
+        "drape-table-air",
+        include_str!("library/drape-table-air.toml"),
+    ),
     ("free-fall", include_str!("library/free-fall.toml")),
     ("cantilever", include_str!("library/cantilever.toml")),
     ("four-edges", include_str!("library/four-edges.toml")),

@@ -87,6 +87,8 @@ pub struct OutputSpec {
     pub rate: f64,
     /// Mesh markers per simulated second \[Hz\]; 0 turns them off.
     pub mesh_rate: f64,
+    /// Simulated time from one keyframe, the whole state in double precision, to the next \[s\]; 0 turns them off.
+    pub keyframe_interval: f64,
 }
 
 impl Default for OutputSpec {
@@ -94,6 +96,7 @@ impl Default for OutputSpec {
         Self {
             rate: 100.0,
             mesh_rate: 25.0,
+            keyframe_interval: 1.0,
         }
     }
 }

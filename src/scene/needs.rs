@@ -18,6 +18,8 @@ pub enum Term {
     Gravity,
     /// Viscous damping.
     Damping,
+    /// Air on the faces.
+    Drag,
     /// Pins and clamps.
     Support,
     /// Contact with obstacles.
@@ -31,11 +33,12 @@ pub type Reason = String;
 
 impl Term {
     /// All terms, in the order in which they are assembled.
-    pub const ALL: [Term; 7] = [
+    pub const ALL: [Term; 8] = [
         Term::Stretch,
         Term::Bend,
         Term::Gravity,
         Term::Damping,
+        Term::Drag,
         Term::Support,
         Term::Contact,
         Term::Friction,
@@ -48,6 +51,7 @@ impl Term {
             Term::Bend => "bend",
             Term::Gravity => "gravity",
             Term::Damping => "damping",
+            Term::Drag => "drag",
             Term::Support => "support",
             Term::Contact => "contact",
             Term::Friction => "friction",
@@ -69,16 +73,29 @@ impl Term {
                 let mu = scene.damping;
                 (mu > 0.0).then(|| format!("damping = {} kg/(m²·s)", short(mu)))
             }
+            Term::Drag => {
+                let blows = scene.air.filter(|air| air.fluid_damping > 0.0);
+                blows
+                    .map(|air| {
+                        format!("air.fluid_damping = {} kg/(m²·s)", short(air.fluid_damping))
+                    })
+                    .or_else(|| commanded(scene, Accept::Air, "commands may let the air blow"))
+            }
             Term::Support => list(scene.support.keys().map(|name| format!("support.{name}"))),
             Term::Contact => list(scene.obstacle.keys().map(|name| format!("obstacle.{name}")))
-                .or_else(|| commanded(scene, "commands may add obstacles")),
+                .or_else(|| commanded(scene, Accept::Obstacles, "commands may add obstacles")),
             Term::Friction => {
                 let rough = scene.obstacle.iter().filter(|(_, o)| o.friction > 0.0);
                 let of = |(name, o): (&String, &ObstacleSpec)| {
                     format!("obstacle.{name}.friction = {}", short(o.friction))
                 };
-                list(rough.map(of))
-                    .or_else(|| commanded(scene, "commands may add obstacles with friction"))
+                list(rough.map(of)).or_else(|| {
+                    commanded(
+                        scene,
+                        Accept::Obstacles,
+                        "commands may add obstacles with friction",
+                    )
+                })
             }
         }
     }
@@ -97,14 +114,12 @@ pub fn needs(scene: &Scene) -> Vec<(Term, Reason)> {
 }
 
 /// The reason for what only a command can bring.
-fn commanded(scene: &Scene, reason: &str) -> Option<Reason> {
+fn commanded(scene: &Scene, kind: Accept, reason: &str) -> Option<Reason> {
     let origin = match scene.accept {
-        Some(_) => "accept has \"obstacles\"",
-        None => "a scene with obstacles accepts more",
+        Some(_) => format!("accept has \"{}\"", kind.name()),
+        None => format!("a scene with {} accepts more", kind.name()),
     };
-    scene
-        .accepts(Accept::Obstacles)
-        .then(|| format!("{origin}: {reason}"))
+    scene.accepts(kind).then(|| format!("{origin}: {reason}"))
 }
 
 /// The parts with commas between; nothing if there are none.

@@ -14,6 +14,13 @@ pub const TURN_RATE: Range = range(-1e3, 1e3, "rad/s");
 /// Coulomb friction coefficients.
 pub const FRICTION: Range = range(0.0, 10.0, "");
 
+/// Components of the air's velocity.
+pub const WIND: Range = range(-200.0, 200.0, "m/s");
+/// C of the air force.
+pub const FLUID_DAMPING: Range = range(0.0, 1e4, "kg/(m²·s)");
+/// Lengths of ramps and flows.
+pub const TIME: Range = range(0.0, 1e5, "s");
+
 /// What [`is_name`] asks for, as it stands after "must be" in a message.
 pub const NAME: &str =
     "1 to 64 letters, digits or single `_`, a letter first, no `_` at the end, and not `world`";

@@ -39,6 +39,9 @@ pub struct Scene {
     /// What it can touch.
     #[serde(default)]
     pub obstacle: BTreeMap<String, ObstacleSpec>,
+    /// The air that acts on it; none if left out.
+    #[serde(default)]
+    pub air: Option<AirSpec>,
     /// A seeded disturbance of the flat start: a symmetric one is metastable.
     #[serde(default)]
     pub perturbation: Perturbation,
@@ -79,7 +82,7 @@ impl Scene {
         match (&self.accept, kind) {
             (Some(list), _) => list.contains(&kind),
             (None, Accept::Obstacles) => !self.obstacle.is_empty(),
-            (None, Accept::Air) => false,
+            (None, Accept::Air) => self.air.is_some(),
         }
     }
 
@@ -274,6 +277,39 @@ impl ObstacleSpec {
             UnitQuaternion::from_euler_angles(roll, pitch, yaw),
         )
     }
+}
+
+/// Air with a prescribed velocity: uniform in a region, zero outside, on a linear ramp in time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AirSpec {
+    /// C of the force C (n·(u - v)) n per area \[kg/(m²·s)\].
+    pub fluid_damping: f64,
+    /// Velocity u after the ramp \[m/s\]; zero is air at rest, which brakes.
+    #[serde(default)]
+    pub velocity: [f64; 3],
+    /// Where it blows; everywhere if left out.
+    #[serde(default)]
+    pub region: Option<AirBox>,
+    /// Length of the ramp from zero \[s\]; zero is a jump.
+    #[serde(default)]
+    pub rise: f64,
+    /// Time at which the ramp begins \[s\].
+    #[serde(default)]
+    pub start: f64,
+    /// Time from there to the end of the flow, which then fades in `rise` \[s\]; endless if left out.
+    #[serde(default)]
+    pub hold: Option<f64>,
+}
+
+/// An axis-aligned box of the world.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AirBox {
+    /// Smallest x, y, z \[m\].
+    pub min: [f64; 3],
+    /// Largest x, y, z \[m\].
+    pub max: [f64; 3],
 }
 
 /// Seeded out-of-plane disturbance of the start: a smooth random field of the given amplitude.

@@ -2,9 +2,12 @@
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
-use super::command::{Command, Rejected};
+use super::air::Air;
+use super::command::{AirRegion, Airflow, Command, Rejected};
 use crate::contact::{Obstacle, Pose, Shape, Velocity};
-use crate::scene::ranges::{FRICTION, NAME, PLACE, Range, SIZE, SPEED, TURN_RATE, is_name};
+use crate::scene::ranges::{
+    FLUID_DAMPING, FRICTION, NAME, PLACE, Range, SIZE, SPEED, TIME, TURN_RATE, WIND, is_name,
+};
 
 /// How far the norm of a rotation's quaternion may be from 1: single precision and rounded text pass.
 const OFF_UNIT: f64 = 1e-3;
@@ -24,7 +27,8 @@ pub fn admit(command: &Command) -> Result<Command, Rejected> {
             rate.as_ref().map_or(Ok(()), velocity)?;
         }
         Command::RemoveObstacle { name } => named(name)?,
-        Command::Blow(_) | Command::Reset => {}
+        Command::Blow(flow) => airflow(flow)?,
+        Command::Reset => {}
     }
     Ok(command)
 }
@@ -77,6 +81,42 @@ fn pose(pose: &mut Pose) -> Result<(), Rejected> {
 fn velocity(velocity: &Velocity) -> Result<(), Rejected> {
     vector("velocity.linear", &velocity.linear, &SPEED)?;
     vector("velocity.angular", &velocity.angular, &TURN_RATE)
+}
+
+fn airflow(flow: &Airflow) -> Result<(), Rejected> {
+    vector("velocity", &flow.velocity, &WIND)?;
+    if let Some(fluid_damping) = flow.fluid_damping {
+        number("fluid_damping", fluid_damping, &FLUID_DAMPING)?;
+    }
+    if let Some(AirRegion { min, max }) = &flow.region {
+        vector("region.min", min, &PLACE)?;
+        vector("region.max", max, &PLACE)?;
+        for (i, axis) in ["x", "y", "z"].iter().enumerate() {
+            if min[i] >= max[i] {
+                let range = format!("less than region.max.{axis} = {:e} m", max[i]);
+                return Err(refusal(
+                    &format!("region.min.{axis}"),
+                    format!("{:e}", min[i]),
+                    range,
+                ));
+            }
+        }
+    }
+    number("rise", flow.rise, &TIME)?;
+    flow.hold.map_or(Ok(()), |hold| number("hold", hold, &TIME))
+}
+
+/// Checks the air of a state.
+pub fn air(air: &Air) -> Result<(), Rejected> {
+    vector("air.from", &air.from, &WIND)?;
+    number("air.delay", air.delay, &TIME)?;
+    airflow(&Airflow {
+        velocity: air.to,
+        fluid_damping: Some(air.fluid_damping),
+        region: air.region,
+        rise: air.rise,
+        hold: air.hold,
+    })
 }
 
 fn vector(field: &str, value: &Vector3<f64>, range: &Range) -> Result<(), Rejected> {

@@ -1,17 +1,26 @@
 //! Stage 1: a command changes the state between two steps, whole or not at all.
 
+use nalgebra::Vector3;
+
 use super::admit::{admit, refusal};
-use super::command::{Command, Rejected};
+use super::air::Breeze;
+use super::command::{Airflow, Command, Rejected};
 use super::measure;
+use super::model::Model;
 use super::report::StepReport;
 use super::simulation::{Engine, Simulation};
 use super::state::State;
 use super::touch::Touch;
 use crate::contact::{Obstacle, Pose, Velocity};
 use crate::scene::Accept;
+use crate::scene::ranges::FLUID_DAMPING;
 
 /// Most obstacles at a time: each costs a look at the sheet in every step.
 const MOST_OBSTACLES: usize = 256;
+
+/// Change of the air's force, in weights of the sheet, from which on it cuts the past off. Less is part of a flow
+/// that is sent in small steps.
+const GUST: f64 = 0.1;
 
 impl Simulation {
     /// Takes a command; it holds from the next step on.
@@ -29,7 +38,7 @@ impl Simulation {
                 velocity,
             } => self.put(&name, pose, velocity),
             Command::RemoveObstacle { name } => self.remove(&name),
-            Command::Blow(_) => Err(not_accepted(Accept::Air)),
+            Command::Blow(flow) => self.blow(&flow),
             Command::Reset => {
                 self.reset();
                 Ok(())
@@ -91,14 +100,16 @@ impl Simulation {
         Ok(())
     }
 
-    /// Changes one obstacle: the one at `at` before, the one that `change` names after.
-    /// Work and the jump of the force go into ledger and scheme history.
+    /// Changes one obstacle: the one at `at` before, the one that `change` names after. Work and the jump of the force go into ledger and scheme history.
     fn change(
         &mut self,
         at: Option<usize>,
         change: impl FnOnce(&mut State) -> Option<usize>,
     ) -> Result<(), Rejected> {
         let model = &self.model;
+        let Some(law) = &model.contact else {
+            return Err(not_accepted(Accept::Obstacles));
+        };
         let contacts = |state: &State, at: Option<usize>| match at {
             Some(at) => Touch::of(model, state, Some(at)),
             None => Touch::default(),
@@ -107,9 +118,6 @@ impl Simulation {
         let mut next = self.state.clone();
         let at = change(&mut next);
         let after = contacts(&next, at);
-        let Some(law) = &model.contact else {
-            return Ok(());
-        };
         if let Some(at) = at {
             let [deep, deeper] = [&before, &after].map(|touch| touch.deepest(law));
             clear(&next.obstacles[at].name, deep, deeper, law.offset)?;
@@ -117,15 +125,36 @@ impl Simulation {
         for (touch, sign) in [(&before, -1.0), (&after, 1.0)] {
             next.ledger.supports += sign * touch.potential(model, law, &next.positions);
             if let Engine::Explicit(..) = self.engine {
-                for (v, push) in touch.pushes(model, law, &next.positions) {
-                    let jump =
-                        model.dofs.free(v as usize, push) * (sign / model.masses[v as usize]);
-                    next.history.accelerations[v as usize] += jump;
-                }
+                let pushes = touch.pushes(model, law, &next.positions).into_iter();
+                let jumps = pushes.map(|(v, push)| (v as usize, push * sign));
+                add_jumps(model, &mut next, jumps);
             }
         }
         let made_or_lost = before.proximities.is_empty() != after.proximities.is_empty();
         if made_or_lost && matches!(self.engine, Engine::Implicit(..)) {
+            next.history.restart();
+        }
+        self.state = next;
+        Ok(())
+    }
+
+    fn blow(&mut self, flow: &Airflow) -> Result<(), Rejected> {
+        let air = &self.state.air;
+        if air.fluid_damping == 0.0 && flow.fluid_damping.is_none() {
+            let range = format!("the air has none yet: give one {FLUID_DAMPING}");
+            return Err(refusal("fluid_damping", "none", range));
+        }
+        let mut next = self.state.clone();
+        next.air = air.turned(flow, next.step, self.model.scene.method.dt);
+        let force = |state: &State| match Breeze::of(&self.model, state) {
+            Some(breeze) => breeze.at(0.0).forces(&state.positions, &state.velocities),
+            None => vec![Vector3::zeros(); state.positions.len()],
+        };
+        let pairs = force(&self.state).into_iter().zip(force(&next));
+        let jumps: Vec<_> = pairs.map(|(before, after)| after - before).collect();
+        if let Engine::Explicit(..) = self.engine {
+            add_jumps(&self.model, &mut next, jumps.into_iter().enumerate());
+        } else if jumps.iter().map(|jump| jump.norm()).sum::<f64>() > GUST * self.model.weight {
             next.history.restart();
         }
         self.state = next;
@@ -150,6 +179,7 @@ impl Simulation {
         let step = self.state.step;
         self.state.clone_from(&self.start);
         self.state.step = step;
+        self.state.air.since = step;
         self.look();
     }
 
@@ -167,6 +197,13 @@ impl Simulation {
 fn not_accepted(kind: Accept) -> Rejected {
     let commands = kind.name();
     Rejected::NotAccepted { commands }
+}
+
+/// Adds jumps of the force on vertices to the accelerations that the explicit scheme starts its next step with.
+fn add_jumps(model: &Model, state: &mut State, jumps: impl Iterator<Item = (usize, Vector3<f64>)>) {
+    for (v, jump) in jumps {
+        state.history.accelerations[v] += model.dofs.free(v, jump) / model.masses[v];
+    }
 }
 
 /// Refuses an obstacle that reaches deeper into the cloth than its surface can give way: contact would throw the

@@ -37,11 +37,12 @@ pub struct Airflow {
     pub velocity: Vector3<f64>,
     /// C of the air force C (n·(u - v)) n \[kg/(m²·s)\]; what is not given stays.
     pub fluid_damping: Option<f64>,
-    /// Where it blows; everywhere if not given.
+    /// Where it blows; everywhere if not given. Another region than before holds at once.
     pub region: Option<AirRegion>,
     /// Time of the linear ramp from the velocity before to this one \[s\]; zero is a jump.
     pub rise: f64,
     /// Time from the command to the end of the flow, which then ramps to zero in `rise` \[s\]; endless if not given.
+    /// What the ramp has not reached by then it does not reach.
     pub hold: Option<f64>,
 }
 

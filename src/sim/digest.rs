@@ -3,6 +3,8 @@
 use nalgebra::Vector3;
 use xxhash_rust::xxh3::Xxh3;
 
+use super::air::Air;
+use super::command::AirRegion;
 use super::state::State;
 use crate::contact::{Obstacle, Shape};
 
@@ -25,6 +27,7 @@ impl State {
         }
         digest.whole(count(self.obstacles.len()));
         self.obstacles.iter().for_each(|o| digest.obstacle(o));
+        digest.air(&self.air);
         digest.whole(count(self.bonds.len()));
         for bond in &self.bonds {
             digest.whole(bond.key);
@@ -49,6 +52,24 @@ impl Digest {
 
     fn vector(&mut self, v: &Vector3<f64>) {
         v.iter().for_each(|c| self.number(*c));
+    }
+
+    fn air(&mut self, air: &Air) {
+        self.number(air.fluid_damping);
+        self.vector(&air.from);
+        self.vector(&air.to);
+        self.whole(air.since);
+        self.number(air.delay);
+        self.number(air.rise);
+        // No hold and no region are told apart from every number by what stands in their place.
+        self.number(air.hold.unwrap_or(f64::INFINITY));
+        let everywhere = AirRegion {
+            min: Vector3::repeat(f64::NEG_INFINITY),
+            max: Vector3::repeat(f64::INFINITY),
+        };
+        let region = air.region.unwrap_or(everywhere);
+        self.vector(&region.min);
+        self.vector(&region.max);
     }
 
     fn obstacle(&mut self, obstacle: &Obstacle) {

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::air::Breeze;
 use super::assembly::{Assembly, pick};
 use super::integrate::{Map, Rule};
 use super::model::Model;
@@ -9,7 +10,8 @@ use super::state::State;
 use super::touch::{Before, Touch};
 use crate::math::cholesky::Cholesky;
 use crate::math::newton::{Limits, Outcome, Problem, Scratch, newton};
-use crate::physics::Potential;
+use crate::physics::drag::Drag;
+use crate::physics::{Load, Potential};
 
 /// Solver of implicit steps: all that is reused from step to step and is not state.
 pub struct Implicit {
@@ -56,16 +58,21 @@ impl Implicit {
         self.scratch.forget();
     }
 
-    /// Solves the equations of one step of `dt` from `state`.
+    /// Solves the equations of a part of a step from `state`: it starts `within` the step and takes `dt`.
     pub fn solve(
         &mut self,
         model: &Model,
         state: &State,
         rule: Rule,
-        dt: f64,
+        (within, dt): (f64, f64),
         limits: &Limits,
     ) -> Solved {
         let map = rule.map(state, dt);
+        let moment = match rule {
+            // The length of a flow step is no time.
+            Rule::GradientFlow => within,
+            _ => within + map.fraction * dt,
+        };
         let mut touch = Touch {
             obstacles: state.obstacles.clone(),
             ..Touch::default()
@@ -93,6 +100,8 @@ impl Implicit {
             },
             map: &map,
             assembly: &mut self.assembly,
+            velocities: vec![Vector3::zeros(); model.masses.len()],
+            drag: Breeze::of(model, state).map(|breeze| breeze.at(moment)),
             touch,
             nodes: &mut self.nodes,
             forces: &mut self.forces,
@@ -138,6 +147,8 @@ struct StepProblem<'a> {
     map: &'a Map,
     assembly: &'a mut Assembly,
     touch: Touch,
+    drag: Option<Drag<'a>>,
+    velocities: Vec<Vector3<f64>>,
     nodes: &'a mut Vec<Vector3<f64>>,
     forces: &'a mut Vec<Vector3<f64>>,
     /// Stress of each face for the geometric part of the tangent.
@@ -156,8 +167,16 @@ impl StepProblem<'_> {
             let x = self.nodes[v];
             let acceleration = x * map.alpha_a + map.b_a[v];
             let velocity = x * map.alpha_v + map.b_v[v];
-            self.forces[v] += acceleration * model.masses[v] - model.damping.force(v, &velocity)
+            self.forces[v] += acceleration * model.masses[v]
+                - model.damping.force(v, &[x], &[velocity])[0]
                 + model.gravity.gradient(v, &[x])[0];
+            self.velocities[v] = velocity;
+        }
+        if let Some(drag) = &self.drag {
+            let pushes = drag.forces(self.nodes, &self.velocities);
+            for (force, push) in self.forces.iter_mut().zip(pushes) {
+                *force -= push;
+            }
         }
         if let Some(law) = &model.contact {
             let positions = &self.nodes[..model.masses.len()];
@@ -222,6 +241,17 @@ impl Problem for StepProblem<'_> {
             projection,
             values,
         );
+        if let Some(drag) = &self.drag {
+            // The derivative by position is not symmetric and stays out: the residual alone decides the solution.
+            for s in 0..drag.count() {
+                let stencil = drag.nodes(s);
+                let x = pick(self.nodes, &stencil);
+                let v = pick(&self.velocities, &stencil);
+                let matrix = drag.by_velocity(s, &x, &v);
+                let scaled = matrix.map(|row| row.map(|block| block * -self.map.alpha_v));
+                self.assembly.add_face(s as u32, &scaled, values);
+            }
+        }
         if let Some(law) = &self.model.contact {
             self.touch.tangent(
                 self.model,

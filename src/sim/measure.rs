@@ -18,6 +18,7 @@ pub fn measure(model: &Model, state: &State, touch: &Touch, report: &mut StepRep
     energies.damping = state.ledger.damping;
     energies.friction = state.ledger.friction;
     energies.supports = state.ledger.supports;
+    energies.air = state.ledger.air;
     if let Some(law) = &model.contact {
         energies.contact = touch.energy(model, law, &nodes);
         report.deepest_penetration = touch.deepest(law);

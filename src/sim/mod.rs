@@ -1,9 +1,11 @@
 //! The simulation: a constant model, a state, and the only two ways to change it.
 
 mod admit;
+mod air;
 mod apply;
 mod assembly;
 mod command;
+mod contacts;
 mod digest;
 mod dofs;
 mod implicit;
@@ -21,7 +23,9 @@ mod state;
 mod step;
 mod touch;
 
+pub use air::Air;
 pub use command::{AirRegion, Airflow, Command, Rejected};
+pub use contacts::ContactPoint;
 pub use dofs::Dofs;
 pub use model::{Model, Reading};
 pub use report::{Energies, StepReport, Work};

@@ -16,6 +16,8 @@ use crate::physics::support::Support;
 use crate::scene::{Axis, Region, Scene, SupportKind, Term, needs};
 use crate::sheet::{Mesh, MeshOptions, generate};
 
+use super::air::Air;
+use super::command::AirRegion;
 use super::dofs::Dofs;
 
 /// Mesh, fabric and terms of a run.
@@ -41,6 +43,8 @@ pub struct Model {
     pub start_gravity: f64,
     /// Viscous damping.
     pub damping: Damping,
+    /// Whether air acts on the sheet, or a command may let it.
+    pub drag: bool,
     /// What holds the sheet.
     pub supports: Vec<Support>,
     /// The contact law, if the scene has obstacles or commands may add some.
@@ -85,8 +89,10 @@ impl Model {
         let membrane = fabric.membrane();
         let stiffness = (membrane.c11 * membrane.c22).sqrt();
         let supports: Vec<Support> = supports(scene, &mesh);
-        let needed = needs(scene).iter().any(|(term, _)| *term == Term::Contact);
-        let contact = needed.then(|| ContactLaw::new(weight, stiffness, fabric.thickness));
+        let needs = needs(scene);
+        let needed = |wanted| needs.iter().any(|(term, _)| *term == wanted);
+        let contact =
+            needed(Term::Contact).then(|| ContactLaw::new(weight, stiffness, fabric.thickness));
         let (turn, shift) = placement(scene);
         let start_gravity = (0..masses.len())
             .map(|v| {
@@ -101,6 +107,7 @@ impl Model {
             gravity,
             damping: Damping::new(scene.damping, &mesh.vertex_areas),
             contact,
+            drag: needed(Term::Drag),
             features: Features::new(&mesh),
             dofs: Dofs::new(&mesh, &supports),
             readings: readings(scene, &mesh),
@@ -162,6 +169,27 @@ impl Model {
                 friction: spec.friction,
             })
             .collect()
+    }
+}
+
+impl Model {
+    /// The air at the start.
+    pub fn air(&self) -> Air {
+        let Some(spec) = &self.scene.air else {
+            return Air::default();
+        };
+        Air {
+            fluid_damping: spec.fluid_damping,
+            region: spec.region.map(|region| AirRegion {
+                min: region.min.into(),
+                max: region.max.into(),
+            }),
+            to: spec.velocity.into(),
+            delay: spec.start,
+            rise: spec.rise,
+            hold: spec.hold,
+            ..Air::default()
+        }
     }
 }
 

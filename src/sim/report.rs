@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// Energy ledger at the end of a step \[J\]; the last three are sums since the start.
+/// Energy ledger at the end of a step \[J\]; the last four are sums since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energies {
     /// Kinetic.
@@ -21,6 +21,8 @@ pub struct Energies {
     pub friction: f64,
     /// Put in by moving supports and obstacles.
     pub supports: f64,
+    /// Put in by the air; negative where it brakes.
+    pub air: f64,
 }
 
 /// Deterministic count of work in a step.

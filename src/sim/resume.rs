@@ -29,17 +29,20 @@ pub enum Mismatch {
         field: &'static str,
     },
     /// Obstacles or bonds out of order, or bonds of an obstacle that is not there.
-    #[error("state.{field} is not sorted, or names what is not there")]
+    #[error("state.{field} is out of order, or names what is not there")]
     Order {
         /// Which list.
         field: &'static str,
     },
-    /// An obstacle that no command could have brought.
-    #[error("state.obstacles: {0}")]
-    Obstacle(#[from] Rejected),
+    /// An obstacle or air that no command could have brought.
+    #[error("state: {0}")]
+    World(#[from] Rejected),
     /// The scene has no contact, so its steps would pass through the obstacles.
     #[error("state.obstacles is not empty, but the scene neither has nor accepts obstacles")]
     NoContact,
+    /// The scene has no air, so its steps would not feel it.
+    #[error("state.air blows, but the scene neither has nor accepts air")]
+    NoAir,
 }
 
 impl Simulation {
@@ -52,6 +55,7 @@ impl Simulation {
         sizes(&self.model, &state, self.substep().is_some())?;
         finite(&state)?;
         obstacles(&self.model, &state)?;
+        air(&self.model, &state)?;
         self.state = state;
         self.look();
         Ok(())
@@ -102,11 +106,10 @@ fn finite(state: &State) -> Result<(), Mismatch> {
     let past = &state.history;
     let offsets: Vec<Vector3<f64>> = state.bonds.iter().map(|bond| bond.offset).collect();
     let ledger = &state.ledger;
-    let sums = [Vector3::new(
-        ledger.damping,
-        ledger.friction,
-        ledger.supports,
-    )];
+    let sums = [
+        Vector3::new(ledger.damping, ledger.friction, ledger.supports),
+        Vector3::repeat(ledger.air),
+    ];
     let lists: [(&'static str, &[Vector3<f64>]); 10] = [
         ("positions", &state.positions),
         ("velocities", &state.velocities),
@@ -142,5 +145,17 @@ fn obstacles(model: &Model, state: &State) -> Result<(), Mismatch> {
     match sorted && state.bonds.iter().all(|bond| known(bond.key)) {
         true => Ok(()),
         false => Err(Mismatch::Order { field: "bonds" }),
+    }
+}
+
+fn air(model: &Model, state: &State) -> Result<(), Mismatch> {
+    let air = &state.air;
+    if air.fluid_damping != 0.0 && !model.drag {
+        return Err(Mismatch::NoAir);
+    }
+    admit::air(air)?;
+    match air.since <= state.step {
+        true => Ok(()),
+        false => Err(Mismatch::Order { field: "air.since" }),
     }
 }

@@ -29,7 +29,7 @@ impl Simulation {
         };
         let mut report = self.report.clone();
         for count in 1..=MOST_FLOW_STEPS {
-            let solved = solver.solve(model, &self.state, rule, tau, &limits);
+            let solved = solver.solve(model, &self.state, rule, (0.0, tau), &limits);
             if !solved.outcome.converged {
                 tau *= 0.25;
                 if tau < LEAST_FLOW_STEP {
@@ -47,7 +47,7 @@ impl Simulation {
                 return Ok(count);
             }
         }
-        let solved = solver.solve(model, &self.state, rule, tau, &limits);
+        let solved = solver.solve(model, &self.state, rule, (0.0, tau), &limits);
         Err(diverged(model, &self.state, &solved, tau))
     }
 }

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::air::Breeze;
 use super::kernel::{Kernel, Lanes, add, lanes, vector};
 use super::model::Model;
 use super::slopes::SlopeSolver;
@@ -21,6 +22,7 @@ pub fn start(model: &Model) -> (State, Touch) {
         slopes: nodes[vertices..].to_vec(),
         slope_rates: vec![Vector3::zeros(); nodes.len() - vertices],
         obstacles: model.obstacles(),
+        air: model.air(),
         history: History::default(),
         bonds: vec![],
         ledger: Ledger::default(),
@@ -32,6 +34,12 @@ pub fn start(model: &Model) -> (State, Touch) {
     if let Some(law) = &model.contact {
         for (v, push) in touch.pushes(model, law, &state.positions) {
             forces[v as usize] = add(forces[v as usize], lanes(&push));
+        }
+    }
+    if let Some(breeze) = Breeze::of(model, &state) {
+        let pushes = breeze.at(0.0).forces(&state.positions, &state.velocities);
+        for (force, push) in forces.iter_mut().zip(&pushes) {
+            *force = add(*force, lanes(push));
         }
     }
     state.history.accelerations = (0..vertices)

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::air::Air;
 use crate::contact::{Obstacle, obstacle_of, with_obstacle};
 
 /// The integrated state. Vectors are written by stage 6 (advance) of a step.
@@ -19,6 +20,8 @@ pub struct State {
     pub slope_rates: Vec<Vector3<f64>>,
     /// Obstacles where they are now, in the order of their names.
     pub obstacles: Vec<Obstacle>,
+    /// The air that blows.
+    pub air: Air,
     /// What the scheme remembers of the past.
     pub history: History,
     /// Frictional bonds, sorted by key.
@@ -36,6 +39,8 @@ pub struct Ledger {
     pub friction: f64,
     /// Put in by moving supports and obstacles, commands included.
     pub supports: f64,
+    /// Put in by the air; negative where it brakes.
+    pub air: f64,
 }
 
 /// Scheme history.

@@ -1,5 +1,6 @@
 //! One step of each kind of scheme, from the state to the next.
 
+use super::air::Breeze;
 use super::implicit::{Implicit, Solved};
 use super::integrate::Rule;
 use super::integrate::explicit::Explicit;
@@ -55,7 +56,8 @@ pub fn implicit_step(
     let mut touch = Touch::default();
     while done < TICKS {
         let dt = method.dt * f64::from(size) / f64::from(TICKS);
-        let solved = solver.solve(model, state, rule, dt, &limits);
+        let within = method.dt * f64::from(done) / f64::from(TICKS);
+        let solved = solver.solve(model, state, rule, (within, dt), &limits);
         count(&solved, report);
         if !solved.outcome.converged {
             if size == 1 {
@@ -65,7 +67,7 @@ pub fn implicit_step(
             size /= 2;
             continue;
         }
-        advance(model, state, rule, &solved, dt);
+        advance(model, state, rule, &solved, (within, dt));
         touch = solved.touch;
         done += size;
         if size < TICKS && done % (2 * size) == 0 {
@@ -87,18 +89,32 @@ fn count(solved: &Solved, report: &mut StepReport) {
     }
 }
 
-/// Takes the solved step and enters in the ledger what it exchanged.
-fn advance(model: &Model, state: &mut State, rule: Rule, solved: &Solved, dt: f64) {
-    let power = model.damping.power(&state.velocities);
-    let work = solved
+/// Takes the solved part of a step and enters in the ledger what it exchanged.
+fn advance(
+    model: &Model,
+    state: &mut State,
+    rule: Rule,
+    solved: &Solved,
+    (within, dt): (f64, f64),
+) {
+    let breeze = Breeze::of(model, state);
+    let powers = |state: &State, moment: f64| {
+        let drag = breeze.as_ref().map(|breeze| breeze.at(moment));
+        let air = drag.map_or(0.0, |drag| drag.power(&state.positions, &state.velocities));
+        [model.damping.power(&state.velocities), air]
+    };
+    let before = powers(state, within);
+    let pushed = solved
         .touch
-        .work_of_obstacles(model, &state.obstacles, &solved.nodes)
-        / solved.map.fraction;
+        .work_of_obstacles(model, &state.obstacles, &solved.nodes);
     let slipped = take(state, rule, solved, dt);
-    let power = power + model.damping.power(&state.velocities);
-    state.ledger.damping += 0.5 * dt * power;
-    state.ledger.friction += slipped;
-    state.ledger.supports += work;
+    let after = powers(state, within + dt);
+    let ledger = &mut state.ledger;
+    ledger.damping += 0.5 * dt * (before[0] + after[0]);
+    ledger.air += 0.5 * dt * (before[1] + after[1]);
+    ledger.friction += slipped;
+    // Contact acts from the start of the step to where its forces are taken, and on to the end.
+    ledger.supports += pushed / solved.map.fraction;
 }
 
 /// Takes the state to the end of a solved step; returns the energy that slip took out \[J\].

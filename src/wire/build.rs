@@ -13,6 +13,9 @@ use hiroz_codegen::parser::srv::parse_srv_file;
 use hiroz_codegen::resolver::Resolver;
 use hiroz_codegen::types::{ArrayType, Constant, Field, FieldType, ParsedMessage};
 
+#[path = "../node/build_id.rs"]
+mod build_id;
+
 type Failure = Box<dyn std::error::Error>;
 /// Package and name of a message type.
 type Key = (String, String);
@@ -62,6 +65,7 @@ fn main() -> Result<(), Failure> {
     println!("cargo:rerun-if-changed=src/wire/build.rs");
     println!("cargo:rerun-if-changed=src/wire/interfaces");
     println!("cargo:rerun-if-changed=msgs/msg");
+    println!("{}", build_id::lines()?.join("\n"));
     let mut services = vec![];
     for path in files(&format!("{INTERFACES}/{SERVICE_PACKAGE}/srv"))? {
         services.push(parse_srv_file(&path, SERVICE_PACKAGE)?);

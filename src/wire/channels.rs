@@ -1,11 +1,17 @@
 //! Every channel: topic, type, quality of service and rate, in one table.
+//!
+//! There is no `/tf_static`: a command may move any obstacle at any time, and a frame may not change from static
+//! to moving.
 
 use super::messages::{
+    diagnostic_msgs::DiagnosticArray,
+    geometry_msgs::WrenchStamped,
+    rcl_interfaces::Log,
     rosgraph_msgs::Clock,
     sensor_msgs::PointCloud2,
     std_msgs::String as Text,
     tf2_msgs::TFMessage,
-    toile_msgs::{AppliedCommand, MeshTopology, StepReport},
+    toile_msgs::{AppliedCommand, ContactEvents, Keyframe, MeshTopology, StepReport},
     visualization_msgs::MarkerArray,
 };
 use super::{Message, MessageType};
@@ -51,6 +57,10 @@ pub enum Rate {
     Mesh,
     /// When something happens.
     Event,
+    /// Every simulated second.
+    Second,
+    /// When the node is told to keep the state.
+    Keyframe,
 }
 
 /// A channel.
@@ -105,8 +115,26 @@ pub static MESH: Channel = channel::<MarkerArray>("/toile/mesh", Qos::Newest, Ra
 pub static APPLIED: Channel =
     channel::<AppliedCommand>("/toile/applied", Qos::Reliable, Rate::Event);
 
+/// What touches, what begins and ceases to.
+pub static CONTACTS: Channel =
+    channel::<ContactEvents>("/toile/contacts", Qos::Reliable, Rate::Event);
+/// What the cloth does to each obstacle.
+pub static WRENCH: Channel =
+    channel::<WrenchStamped>("/toile/obstacles/NAME/wrench", Qos::Reliable, Rate::Output);
+/// Contacts, for viewers.
+pub static CONTACT_MARKERS: Channel =
+    channel::<MarkerArray>("/toile/contact_markers", Qos::Newest, Rate::Mesh);
+/// The whole state, to resume from.
+pub static KEYFRAME: Channel =
+    channel::<Keyframe>("/toile/keyframe", Qos::Reliable, Rate::Keyframe);
+/// How the run does.
+pub static DIAGNOSTICS: Channel =
+    channel::<DiagnosticArray>("/diagnostics", Qos::Reliable, Rate::Second);
+/// The log.
+pub static LOG: Channel = channel::<Log>("/rosout", Qos::Latched, Rate::Event);
+
 /// All of them, in the order in which they are published.
-pub static ALL: [&Channel; 8] = [
+pub static ALL: [&Channel; 14] = [
     &TOPOLOGY,
     &ROBOT_DESCRIPTION,
     &CLOCK,
@@ -114,5 +142,11 @@ pub static ALL: [&Channel; 8] = [
     &STATE,
     &REPORT,
     &MESH,
+    &CONTACTS,
+    &WRENCH,
+    &CONTACT_MARKERS,
     &APPLIED,
+    &KEYFRAME,
+    &DIAGNOSTICS,
+    &LOG,
 ];

@@ -99,15 +99,20 @@ fn wire(pose: &Pose) -> Transform {
     }
 }
 
+/// A position as a message.
+pub(super) fn wire_point(p: &Vector3<f64>) -> geometry_msgs::Point {
+    geometry_msgs::Point {
+        x: p.x,
+        y: p.y,
+        z: p.z,
+    }
+}
+
 /// A pose as a message.
 pub(super) fn wire_pose(pose: &Pose) -> geometry_msgs::Pose {
-    let (p, q) = (pose.translation.vector, pose.rotation);
+    let q = pose.rotation;
     geometry_msgs::Pose {
-        position: geometry_msgs::Point {
-            x: p.x,
-            y: p.y,
-            z: p.z,
-        },
+        position: wire_point(&pose.translation.vector),
         orientation: geometry_msgs::Quaternion {
             x: q.i,
             y: q.j,

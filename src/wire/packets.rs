@@ -1,16 +1,12 @@
-//! From model, state and report to encoded messages: each is encoded once, whoever carries it.
+//! Encoded messages: each is encoded once, whoever carries it.
 
 use std::borrow::Cow;
 
 use super::cdr::{CdrError, encode};
 use super::channels::{self, Channel};
-use super::messages::{rosgraph_msgs::Clock, std_msgs::String as Text};
-use super::{
-    Counters, Message, cloud, markers, nanoseconds, report, robot_description, stamp, topology,
-    transforms,
-};
+use super::{Message, keyframe, nanoseconds};
 use crate::contact::Obstacle;
-use crate::sim::{Model, State, StepReport};
+use crate::sim::State;
 
 /// One encoded message on its way to every carrier.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -19,8 +15,14 @@ pub struct Packet {
     pub channel: &'static Channel,
     /// Whose it is, on a channel with a topic per obstacle.
     pub obstacle: Option<String>,
+    /// Its number among the messages of its topic, from 0; the recorder counts.
+    pub sequence: u64,
     /// Simulated time since the start of the run \[ns\].
     pub stamp: u64,
+    /// Step of the state that it speaks of; 0 for what is said once.
+    pub step: u64,
+    /// Digest of that state; 0 for what is said once.
+    pub digest: u64,
     /// CDR with its encapsulation header.
     pub bytes: Vec<u8>,
 }
@@ -44,54 +46,29 @@ pub(super) fn packet<M: Message>(
     Ok(Packet {
         channel,
         obstacle: None,
+        sequence: 0,
         stamp: nanoseconds(time),
+        step: 0,
+        digest: 0,
         bytes: encode(message)?,
     })
 }
 
-/// What is said once, before the first state: mesh and shapes.
-pub fn preamble(model: &Model, obstacles: &[Obstacle]) -> Result<Vec<Packet>, CdrError> {
-    let urdf = Text {
-        data: robot_description(obstacles),
-    };
-    Ok(vec![
-        packet(&channels::TOPOLOGY, 0.0, &topology(&model.mesh))?,
-        packet(&channels::ROBOT_DESCRIPTION, 0.0, &urdf)?,
-    ])
+/// A packet on the topic that an obstacle has of a channel.
+pub(super) fn packet_of<M: Message>(
+    obstacle: &Obstacle,
+    channel: &'static Channel,
+    time: f64,
+    message: &M,
+) -> Result<Packet, CdrError> {
+    Ok(Packet {
+        obstacle: Some(obstacle.name.clone()),
+        ..packet(channel, time, message)?
+    })
 }
 
-/// What is said of a state beside the state itself.
-#[derive(Clone, Debug, Default)]
-pub struct Extras {
-    /// Whether the surface is to be drawn.
-    pub with_mesh: bool,
-    /// What the node has counted.
-    pub counters: Counters,
-}
-
-/// What is said of one state.
-pub fn instant(
-    model: &Model,
-    state: &State,
-    step: &StepReport,
-    extras: &Extras,
-) -> Result<Vec<Packet>, CdrError> {
-    let time = step.time;
-    let clock = Clock { clock: stamp(time) };
-    let mut packets = vec![packet(&channels::CLOCK, time, &clock)?];
-    if !state.obstacles.is_empty() {
-        packets.push(packet(
-            &channels::TF,
-            time,
-            &transforms(&state.obstacles, time),
-        )?);
-    }
-    packets.push(packet(&channels::STATE, time, &cloud::encode(state, time))?);
-    let said = report(model, step, &extras.counters);
-    packets.push(packet(&channels::REPORT, time, &said)?);
-    if extras.with_mesh {
-        let surface = markers(&model.mesh, &state.positions, time);
-        packets.push(packet(&channels::MESH, time, &surface)?);
-    }
-    Ok(packets)
+/// The whole state, with its digest, at a simulated time \[s\].
+pub fn kept(state: &State, digest: u64, time: f64) -> Result<Packet, CdrError> {
+    let message = keyframe::keyframe(state, digest, time);
+    packet(&channels::KEYFRAME, time, &message)
 }

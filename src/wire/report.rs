@@ -52,6 +52,7 @@ fn energies(e: &sim::Energies) -> Energies {
         damping: e.damping,
         friction: e.friction,
         supports: e.supports,
+        air: e.air,
     }
 }
 

@@ -144,7 +144,8 @@ fn every_guard_of_an_invariant_exists() {
             let name = guard.rsplit("::").next().unwrap();
             let known = ["[lints]", "step"].contains(&name)
                 || tests.contains(&format!("fn {name}("))
-                || root().join(format!("tests/it/{name}.rs")).is_file();
+                || root().join(format!("tests/it/{name}.rs")).is_file()
+                || root().join(format!("tests/it/{name}/mod.rs")).is_file();
             assert!(known, "ARCHITECTURE.md: there is no test {guard}");
         }
     }
@@ -159,6 +160,8 @@ fn the_readme_describes_every_channel() {
             Rate::Output => "`output.rate`",
             Rate::Mesh => "`output.mesh_rate`",
             Rate::Event => "on event",
+            Rate::Second => "every simulated second",
+            Rate::Keyframe => "`output.keyframe_interval`",
         };
         let row = format!(
             "| `{}` | `{}` | {rate} |",
@@ -166,9 +169,14 @@ fn the_readme_describes_every_channel() {
         );
         assert!(readme.contains(&row), "README.md has no row {row}");
     }
-    let OutputSpec { rate, mesh_rate } = OutputSpec::default();
+    let OutputSpec {
+        rate,
+        mesh_rate,
+        keyframe_interval,
+    } = OutputSpec::default();
     let said = format!(
-        "`output.rate` is {rate} Hz of simulated time and `output.mesh_rate` {mesh_rate} Hz"
+        "`output.rate` is {rate} Hz of simulated time, `output.mesh_rate` {mesh_rate} Hz and \
+         `output.keyframe_interval` {keyframe_interval} s"
     );
     assert!(readme.contains(&said), "README.md does not say: {said}");
 }

@@ -7,21 +7,21 @@ use std::process::{Command, Output, Stdio};
 use serde_json::Value;
 use tempfile::TempDir;
 
-fn toile(dir: &Path, args: &[&str]) -> Output {
+pub fn toile(dir: &Path, args: &[&str]) -> Output {
     command(dir, args).output().unwrap()
 }
 
-fn command(dir: &Path, args: &[&str]) -> Command {
+pub fn command(dir: &Path, args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_toile"));
     command.args(args).current_dir(dir).stdin(Stdio::null());
     command
 }
 
-fn out(output: &Output) -> String {
+pub fn out(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).unwrap()
 }
 
-fn err(output: &Output) -> String {
+pub fn err(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()
 }
 
@@ -39,7 +39,7 @@ fn refuses(code: i32, args: &[&str], parts: &[&str]) {
 }
 
 #[track_caller]
-fn assert_refusal(output: &Output, code: i32, parts: &[&str]) {
+pub fn assert_refusal(output: &Output, code: i32, parts: &[&str]) {
     let message = err(output);
     assert_eq!(output.status.code(), Some(code), "{message}");
     assert_eq!(out(output), "");
@@ -51,7 +51,7 @@ fn assert_refusal(output: &Output, code: i32, parts: &[&str]) {
 }
 
 /// A run of a moment: few triangles, few steps, nothing to touch.
-const SHORT: [&str; 6] = [
+pub const SHORT: [&str; 6] = [
     "run",
     "free-fall",
     "--set",
@@ -250,6 +250,7 @@ fn list_shows_everything_built_in() {
         ("fabrics", ["F1 ", "F12 "]),
         ("methods", ["bdf2", "central-difference"]),
         ("messages", ["/toile/state", "sensor_msgs/msg/PointCloud2"]),
+        ("commands", ["/toile/cmd/obstacle", "StepSimulation"]),
     ] {
         let text = out(&toile(dir.path(), &["list", what]));
         for part in some {
@@ -340,7 +341,7 @@ fn a_signal_ends_the_run_with_its_recording_closed() {
 }
 
 /// Sends a signal as a user would: with the system's own command.
-fn kill(process: u32, signal: i32) {
+pub fn kill(process: u32, signal: i32) {
     let status = Command::new("sh")
         .args(["-c", &format!("kill -{signal} {process}")])
         .status()

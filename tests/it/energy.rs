@@ -1,12 +1,16 @@
 //! The energy ledger closes: what a scheme does not conserve, it must only lose.
 
+use toile::scene::Scheme;
 use toile::sim::{Energies, Simulation};
 
+use crate::commands::{add, plate, remove, sheet, slide};
 use crate::lab::{built_in, simulation};
 
 /// All that the ledger holds: constant if the scheme and the solver are exact \[J\].
 fn total(e: &Energies) -> f64 {
-    e.kinetic + e.stretch + e.bend + e.gravity + e.contact + e.damping + e.friction - e.supports
+    e.kinetic + e.stretch + e.bend + e.gravity + e.contact + e.damping + e.friction
+        - e.supports
+        - e.air
 }
 
 /// Steps to the end; drift of the ledger after each step over the largest kinetic energy so far.
@@ -84,5 +88,87 @@ fn energy_of_a_drape_never_grows() {
         println!("drape, {scheme}: ledger from {low:.1e} to {high:.1e} of the kinetic energy");
         assert!(high < gain, "{scheme}: gains {high:e}");
         assert!(low > -0.5, "{scheme}: loses {low:e}");
+    }
+}
+
+/// The released strip in a wind that rises: the air's work is in the ledger, whatever its sign.
+#[test]
+fn energy_of_a_strip_in_the_wind() {
+    for (scheme, dt, loss, gain) in [
+        ("generalised-alpha", 2.5e-4, 1e-3, 1e-3),
+        ("backward-euler", 1e-3, 1.0, 1e-6),
+        ("bdf2", 1e-3, 5e-2, 1e-3),
+        ("central-difference", 1e-3, 1e-3, 1e-3),
+    ] {
+        let set = [
+            &*format!("method.scheme={scheme}"),
+            &format!("method.dt={dt}"),
+            "duration=0.2",
+            "sheet.triangles=100",
+            "method.rho_infinity=1.0",
+            "method.tolerance=1e-8",
+            "air.fluid_damping=0.3",
+            "air.velocity=[2, 0, 4]",
+            "air.rise=0.1",
+        ];
+        let scene = built_in("strip-release", &set);
+        let mut simulation = simulation(&scene);
+        let drifts = drifts(&mut simulation, scene.steps());
+        let [low, high] = extremes(&drifts);
+        let e = simulation.report().energies;
+        println!(
+            "{scheme}: ledger from {low:.1e} to {high:.1e} of the kinetic energy, air {:.1e} J",
+            e.air
+        );
+        assert!(
+            e.air.abs() > 0.1 * e.kinetic,
+            "{scheme}: the air does nothing"
+        );
+        assert!(high < gain, "{scheme}: gains {high:e}");
+        assert!(low > -loss, "{scheme}: loses {low:e}");
+    }
+}
+
+/// A plate under the sheet lifts and carries it, sinks into it by command, and goes: what obstacles and commands
+/// put in is in the ledger.
+#[test]
+fn energy_is_counted_when_obstacles_move() {
+    for (scheme, gain, loss) in [
+        (Scheme::CentralDifference, 2e-2, 2e-2),
+        // The implicit schemes take out most of the shock with which the plate begins to move.
+        (Scheme::Bdf2, 2e-2, 1.5),
+        (Scheme::BackwardEuler, 2e-2, 1.5),
+    ] {
+        let mut simulation = simulation(&sheet(scheme, &["method.dt=1e-3", "damping=1.0"]));
+        let mut worst = [0.0f64; 2];
+        let mut go = |simulation: &mut Simulation, steps| {
+            let start = total(&simulation.report().energies);
+            for _ in 0..steps {
+                let energies = simulation.step().unwrap().energies;
+                // The sheet moves at 0.2 m/s, so this is what it has.
+                let scale = energies.kinetic.max(4e-5);
+                let drift = (total(&energies) - start) / scale;
+                worst = [worst[0].min(drift), worst[1].max(drift)];
+            }
+        };
+        add(&mut simulation, plate("plate", -2.45e-4, 0.5));
+        go(&mut simulation, 10);
+        slide(
+            &mut simulation,
+            "plate",
+            nalgebra::Vector3::new(0.2, 0.0, 0.1),
+        );
+        go(&mut simulation, 40);
+        let lifted = simulation.report().energies.supports;
+        add(&mut simulation, plate("low", -0.05, 0.5));
+        remove(&mut simulation, "plate");
+        go(&mut simulation, 40);
+        let [low, high] = worst;
+        println!("{scheme:?}: ledger from {low:.1e} to {high:.1e}, {lifted:.1e} J put in");
+        assert!(lifted > 4e-5, "{scheme:?}: the plate puts in {lifted} J");
+        assert!(
+            high < gain && low > -loss,
+            "{scheme:?}: {low:e} to {high:e}"
+        );
     }
 }

@@ -7,10 +7,10 @@ use toile::sim::Simulation;
 use crate::lab::{built_in, run, scene, simulation};
 
 /// Angle of the incline \[rad\].
-const SLOPE: f64 = 0.3;
+pub const SLOPE: f64 = 0.3;
 
 /// A square lying on a plane, gravity tilted by [`SLOPE`].
-fn incline(scheme: &str, friction: f64, duration: f64) -> Scene {
+pub fn incline(scheme: &str, friction: f64, duration: f64) -> Scene {
     let (sin, cos) = SLOPE.sin_cos();
     scene(&format!(
         "name = \"incline\"\ndescription = \"A square on a slope\"\nduration = {duration}\n\

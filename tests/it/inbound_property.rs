@@ -119,7 +119,7 @@ fn assert_sane(command: &Command) {
         }
         Command::RemoveObstacle { .. } | Command::Reset => {}
         Command::Blow(flow) => {
-            small(&flow.velocity, 100.0);
+            small(&flow.velocity, 200.0);
             let numbers = [Some(flow.rise), flow.hold, flow.fluid_damping];
             let sane = |x: f64| (0.0..=1e5).contains(&x);
             assert!(numbers.into_iter().flatten().all(sane));

@@ -1,11 +1,16 @@
 //! The integration tests: one binary, a module per subject.
 
+mod air;
+mod air_commands;
 mod architecture;
 mod byte_identity;
 mod charts;
 mod cli;
+mod cli_commands;
+mod cli_recordings;
 mod commands;
 mod consistency;
+mod contacts;
 mod damage;
 mod encoding;
 mod energy;
@@ -14,6 +19,7 @@ mod inbound;
 mod inbound_objects;
 mod inbound_property;
 mod inbound_services;
+mod keyframe;
 mod lab;
 mod lab_cli;
 mod lab_measure;
@@ -22,13 +28,29 @@ mod lab_verify;
 mod messages;
 mod needs;
 mod order;
+mod orders;
+mod pace;
 mod pictures;
 mod python;
 mod recording;
 mod refusal;
+mod refusal_of_air;
+mod replay;
+mod resume;
+#[cfg(feature = "ros2")]
+mod ros2;
 mod samples;
 mod scene;
 mod schema_reader;
+mod session;
+#[cfg(feature = "iceoryx2")]
+mod shared_hostile;
+#[cfg(feature = "iceoryx2")]
+mod shared_measure;
+#[cfg(feature = "iceoryx2")]
+mod shared_memory;
+#[cfg(feature = "iceoryx2")]
+mod shared_processes;
 mod tidy;
 mod type_hashes;
 mod verify;

@@ -13,7 +13,8 @@ fn terms(text: &str, overrides: &[&str]) -> Vec<Term> {
 #[test]
 fn a_scene_needs_what_its_values_say() {
     use Term::{Bend, Contact, Damping, Friction, Gravity, Stretch, Support};
-    assert_eq!(terms(GOOD, &[]), Term::ALL);
+    assert_eq!(terms(GOOD, &["air.fluid_damping=0.1"]), Term::ALL);
+    assert!(!terms(GOOD, &[]).contains(&Term::Drag));
     assert_eq!(
         terms(GOOD, &["damping=0", "gravity=[0, 0, 0]"]),
         [Stretch, Bend, Support, Contact, Friction]
@@ -51,6 +52,12 @@ fn a_scene_needs_what_it_accepts() {
     ] {
         assert_eq!(reason(free, &obstacles, term).as_deref(), Some(wanted));
     }
+    assert_eq!(reason(free, &obstacles, Term::Drag), None);
+    let air = reason(free, &["accept=[\"air\"]"], Term::Drag);
+    assert_eq!(
+        air.unwrap(),
+        "accept has \"air\": commands may let the air blow"
+    );
     let smooth = reason(GOOD, &["obstacle.table.friction=0"], Term::Friction);
     assert!(
         smooth
@@ -63,7 +70,10 @@ fn a_scene_needs_what_it_accepts() {
 fn a_reason_quotes_the_scene() {
     let scene = good(
         GOOD,
-        &["obstacle.ball.shape={ kind = \"sphere\", radius = 0.02 }"],
+        &[
+            "obstacle.ball.shape={ kind = \"sphere\", radius = 0.02 }",
+            "air.fluid_damping=0.03",
+        ],
     );
     let reasons: Vec<_> = needs(&scene)
         .into_iter()
@@ -76,6 +86,7 @@ fn a_reason_quotes_the_scene() {
             "fabric F1 has a flexural rigidity",
             "gravity = [0, 0, -9.81] m/s²",
             "damping = 0.1 kg/(m²·s)",
+            "air.fluid_damping = 0.03 kg/(m²·s)",
             "support.left",
             "obstacle.ball, obstacle.table",
             "obstacle.table.friction = 0.3",
@@ -92,6 +103,7 @@ fn the_model_has_the_terms_that_the_scene_needs() {
         let model = Model::new(&scene, scene.fabric.resolve().unwrap());
         assert_eq!(model.contact.is_some(), needed(Term::Contact), "{name}");
         assert_eq!(!model.supports.is_empty(), needed(Term::Support), "{name}");
+        assert_eq!(model.drag, needed(Term::Drag), "{name}");
         assert_eq!(model.gravity.total() > 0.0, needed(Term::Gravity), "{name}");
     }
 }

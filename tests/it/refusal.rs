@@ -16,7 +16,7 @@ fn refusal(text: &str, overrides: &[&str]) -> SceneError {
 
 /// The refusal of the good scene with one line replaced names all of these.
 #[track_caller]
-fn refuses(line: &str, replacement: &str, parts: &[&str]) {
+pub fn refuses(line: &str, replacement: &str, parts: &[&str]) {
     let message = refusal(&with(line, replacement), &[]).to_string();
     for part in parts {
         assert!(message.contains(part), "`{part}` is not in: {message}");
@@ -175,32 +175,6 @@ fn a_word_that_is_no_choice_lists_the_choices() {
         "\"triangle\"",
         &["sheet.outline.kind", "rectangle, disc, annulus"],
     );
-}
-
-#[test]
-fn a_scene_accepts_known_kinds_of_commands_once() {
-    let accept = |value: &str, parts: &[&str]| {
-        let line = format!("damping = 0.1\naccept = {value}");
-        refuses("damping = 0.1", &line, parts);
-    };
-    let known = "some of obstacles, air, each at most once";
-    accept(
-        "[\"obstacle\"]",
-        &[
-            "line 5: accept = \"obstacle\"",
-            known,
-            "did you mean `obstacles`?",
-        ],
-    );
-    accept(
-        "[\"air\", \"air\"]",
-        &["line 5: accept = [\"air\", \"air\"]", known],
-    );
-    accept(
-        "\"air\"",
-        &["line 5: accept = \"air\"", known, "not a string"],
-    );
-    accept("[1]", &["line 5: accept = 1", known]);
 }
 
 #[test]

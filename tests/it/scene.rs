@@ -100,6 +100,7 @@ fn built_in_scenes_are_checked_and_survive_being_written() {
         library::names().collect::<Vec<_>>(),
         [
             "drape-table",
+            "drape-table-air",
             "free-fall",
             "cantilever",
             "four-edges",
@@ -173,6 +174,13 @@ ball = { shape = { kind = "sphere", radius = 0.1 }, linear_velocity = [0.1, 0.0,
 plate = { shape = { kind = "disc", radius = 0.1 }, angular_velocity = [0.0, 0.0, 1.0] }
 post = { shape = { kind = "cylinder", radius = 0.1, length = 0.2 }, friction = 0.2 }
 pill = { shape = { kind = "capsule", radius = 0.1, length = 0.2 } }
+[air]
+fluid_damping = 0.5
+velocity = [1.0, 0.0, -2.0]
+region = { min = [-1.0, -1.0, -1.0], max = [1.0, 1.0, 1.0] }
+rise = 0.1
+start = 0.2
+hold = 0.3
 [perturbation]
 amplitude = 1e-4
 seed = 9223372036854775807
@@ -186,6 +194,7 @@ rho_infinity = 0.5
 [output]
 rate = 50
 mesh_rate = 10
+keyframe_interval = 0.5
 [observe]
 rim = { points = [[0.15, 0.0], [0.0, 0.15]], axis = "y" }
 "#;
@@ -234,7 +243,8 @@ fn what_is_unwise_but_possible_is_remarked() {
 #[test]
 fn the_scene_of_the_readme_is_taken_without_remarks() {
     let readme = include_str!("../../README.md");
-    let text = readme.split("```toml\n").nth(1).unwrap();
+    let mut blocks = readme.split("```toml\n").skip(1);
+    let text = blocks.find(|text| text.starts_with("name = ")).unwrap();
     let text = text.split("```").next().unwrap();
     let (scene, warnings) = parse(text, &[]).unwrap();
     assert_eq!(scene.name, "napkin");

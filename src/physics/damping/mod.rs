@@ -5,6 +5,8 @@ mod test;
 
 use nalgebra::Vector3;
 
+use super::stencil::{Block, Gradient, Hessian, Load, Nodes};
+
 /// Viscous damping on the vertices.
 #[derive(Clone, Debug)]
 pub struct Damping {
@@ -19,11 +21,6 @@ impl Damping {
         Self { coefficients }
     }
 
-    /// Force on vertex `i` at velocity `v` \[N\].
-    pub fn force(&self, i: usize, v: &Vector3<f64>) -> Vector3<f64> {
-        v * -self.coefficients[i]
-    }
-
     /// Power taken out \[W\].
     pub fn power(&self, velocities: &[Vector3<f64>]) -> f64 {
         self.coefficients
@@ -31,5 +28,27 @@ impl Damping {
             .zip(velocities)
             .map(|(c, v)| c * v.norm_squared())
             .sum()
+    }
+}
+
+impl Load<1> for Damping {
+    fn count(&self) -> usize {
+        self.coefficients.len()
+    }
+
+    fn nodes(&self, s: usize) -> [u32; 1] {
+        [s as u32]
+    }
+
+    fn force(&self, s: usize, _x: &Nodes<1>, v: &Nodes<1>) -> Gradient<1> {
+        [v[0] * -self.coefficients[s]]
+    }
+
+    fn by_position(&self, _s: usize, _x: &Nodes<1>, _v: &Nodes<1>) -> Hessian<1> {
+        [[Block::zeros()]]
+    }
+
+    fn by_velocity(&self, s: usize, _x: &Nodes<1>, _v: &Nodes<1>) -> Hessian<1> {
+        [[Block::from_diagonal_element(-self.coefficients[s])]]
     }
 }

@@ -7,13 +7,16 @@
 //! in its half-step velocity form, which gives the same positions. Slopes get a rotary inertia J just large enough
 //! that they do not lower the stable limit, and never above a thousandth of m h², so they follow the positions.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
-use super::impulse::brake;
+use super::impulse::{self, brake};
 use super::stable::{largest_frequency, rotary_inertia, slope_stiffness};
 use crate::contact::{Nearby, Obstacle};
 use crate::math::sparse::NO_SLOT;
-use crate::physics::Potential;
+use crate::physics::contact::ContactLaw;
+use crate::physics::drag::Drag;
+use crate::physics::{Load, Potential};
+use crate::sim::air::Breeze;
 use crate::sim::kernel::{Kernel, Lanes, add, dot, lanes, scale, vector};
 use crate::sim::model::Model;
 use crate::sim::state::State;
@@ -113,6 +116,7 @@ impl Explicit {
         for (rate, a) in rates.iter_mut().zip(accelerations) {
             *rate = add(*rate, scale(a, 0.5 * dt));
         }
+        let breeze = Breeze::of(model, state);
         let mut forces = vec![[0.0; 4]; nodes.len()];
         let mut before_last = vec![];
         for substep in 0..count {
@@ -126,7 +130,15 @@ impl Explicit {
             if substep + 1 == count {
                 before_last.clone_from(&rates);
             }
-            state.ledger.damping += self.kick(model, &mut rates, &forces, dt);
+            match &breeze {
+                None => state.ledger.damping += self.kick(model, &mut rates, &forces, dt),
+                Some(breeze) => {
+                    let drag = breeze.at((substep + 1) as f64 * dt);
+                    let [taken, put] = self.kick_in_air(&drag, &nodes, &mut rates, &forces, dt);
+                    state.ledger.damping += taken;
+                    state.ledger.air += put;
+                }
+            }
             if let Some(law) = &model.contact {
                 let masses = &self.inverse_mass;
                 let taken = brake(model, law, &self.touch, masses, &nodes, &mut rates, dt);
@@ -155,6 +167,34 @@ impl Explicit {
         self.touch.clone()
     }
 
+    /// Normal force and friction \[N\] of each contact in the last substep, by key: the state holds the half-step
+    /// velocities around its end, so the substep can be taken once more.
+    pub fn loads(
+        &self,
+        model: &Model,
+        law: &ContactLaw,
+        state: &State,
+        touch: &Touch,
+        dt: f64,
+    ) -> Vec<(u64, f64, Vector3<f64>)> {
+        let nodes: Vec<Lanes> = state.nodes().iter().map(lanes).collect();
+        let past = &state.history.accelerations;
+        let accelerations = past.iter().map(lanes).chain(std::iter::repeat([0.0; 4]));
+        let rates = state.velocities.iter().chain(&state.slope_rates);
+        let mut rates: Vec<Lanes> = rates
+            .zip(accelerations)
+            .map(|(v, a)| add(lanes(v), scale(a, -0.5 * dt)))
+            .collect();
+        let mut forces = self.weight.clone();
+        self.kernel.add_forces(&nodes, &mut forces);
+        for (v, push) in touch.pushes(model, law, &state.positions) {
+            forces[v as usize] = add(forces[v as usize], lanes(&push));
+        }
+        self.kick(model, &mut rates, &forces, dt);
+        let masses = &self.inverse_mass;
+        impulse::loads(model, law, touch, masses, &nodes, &mut rates, dt)
+    }
+
     /// Takes the rates from one half step to the next. Returns what damping took out \[J\].
     fn kick(&self, model: &Model, rates: &mut [Lanes], forces: &[Lanes], dt: f64) -> f64 {
         let half = 0.5 * dt;
@@ -174,6 +214,42 @@ impl Explicit {
         } else {
             drag.iter().zip(&*rates).map(power).sum::<f64>() * dt
         }
+    }
+
+    /// The same with air on the faces, whose force is linear in the velocity, too: with R the sum of the faces'
+    /// resistances at a vertex, (I + B dt/2) dv = (M^-1 (f + R u) - B v) dt and B = M^-1 R + mu A/m. Returns what
+    /// damping took out and what the air put in \[J\].
+    fn kick_in_air(
+        &self,
+        drag: &Drag,
+        nodes: &[Lanes],
+        rates: &mut [Lanes],
+        forces: &[Lanes],
+        dt: f64,
+    ) -> [f64; 2] {
+        let mut resistance = vec![Matrix3::zeros(); nodes.len()];
+        for s in 0..drag.count() {
+            let stencil = drag.nodes(s).map(|n| n as usize);
+            let of_face = drag.resistance(&stencil.map(|n| vector(&nodes[n])));
+            stencil.iter().for_each(|&n| resistance[n] += of_face);
+        }
+        let (mut taken, mut put) = (0.0, 0.0);
+        for (n, r) in resistance.iter().enumerate() {
+            // Slopes have no resistance, so the air's velocity does not matter there.
+            let u = drag.air.get(n).copied().unwrap_or_default();
+            let (v, inverse) = (vector(&rates[n]), vector(&self.inverse_mass[n]));
+            let braking = Matrix3::from_diagonal(&inverse) * r + Matrix3::identity() * self.drag[n];
+            let pull = (vector(&forces[n]) + r * u).component_mul(&inverse) - braking * v;
+            let inertia = Matrix3::identity() + braking * (0.5 * dt);
+            let change = inertia.try_inverse().unwrap_or_default() * pull * dt;
+            let mean = v + change * 0.5;
+            rates[n] = lanes(&(v + change));
+            put += (r * (u - mean)).dot(&mean) * dt;
+            if self.drag[n] > 0.0 && inverse.max() > 0.0 {
+                taken += self.drag[n] / inverse.max() * mean.norm_squared() * dt;
+            }
+        }
+        [taken, put]
     }
 
     /// Contact at the end of the drift.

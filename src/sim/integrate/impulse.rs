@@ -31,6 +31,8 @@ pub struct Taken {
 
 /// A contact as the sweep needs it.
 struct Grip {
+    /// Identity of the proximity.
+    key: u64,
     vertices: [u32; 3],
     weights: [f64; 3],
     normal: Vector3<f64>,
@@ -61,8 +63,30 @@ pub fn brake(
     dt: f64,
 ) -> Taken {
     let mut grips = grips(model, law, touch, inverse_mass, nodes, dt);
+    settle(&mut grips, inverse_mass, rates)
+}
+
+/// Normal force and friction \[N\] of each contact that has them in such a substep.
+pub fn loads(
+    model: &Model,
+    law: &ContactLaw,
+    touch: &Touch,
+    inverse_mass: &[Lanes],
+    nodes: &[Lanes],
+    rates: &mut [Lanes],
+    dt: f64,
+) -> Vec<(u64, f64, Vector3<f64>)> {
+    let mut grips = grips(model, law, touch, inverse_mass, nodes, dt);
+    settle(&mut grips, inverse_mass, rates);
+    let loads = grips.iter();
+    loads
+        .map(|grip| (grip.key, grip.load / dt, grip.impulse / dt))
+        .collect()
+}
+
+fn settle(grips: &mut [Grip], inverse_mass: &[Lanes], rates: &mut [Lanes]) -> Taken {
     let mut taken = Taken::default();
-    for grip in &mut grips {
+    for grip in &mut *grips {
         taken.contact += grip.soften(inverse_mass, rates);
     }
     for _ in 0..SWEEPS {
@@ -100,6 +124,7 @@ fn grips(
         }
         let stiffness = near.share * law.psi(near.distance.value - law.offset)[2];
         grips.push(Grip {
+            key: near.key,
             vertices,
             weights: near.weights,
             normal: near.distance.normal,

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::Rule;
+use crate::sim::air::Air;
 use crate::sim::state::{History, Ledger, State};
 
 fn at(x: f64, v: f64, a: f64, before: [f64; 2], dt: f64) -> State {
@@ -14,6 +15,7 @@ fn at(x: f64, v: f64, a: f64, before: [f64; 2], dt: f64) -> State {
         slopes: vec![],
         slope_rates: vec![],
         obstacles: vec![],
+        air: Air::default(),
         history: History {
             dt,
             positions: along(before[0]),

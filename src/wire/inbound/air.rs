@@ -1,40 +1,27 @@
 //! Air: our own command, and the plain wind vector of anemometers and scripts.
 
-use std::ops::RangeInclusive;
-
 use super::{Malformed, Request, check};
+use crate::scene::ranges::{FLUID_DAMPING, TIME};
 use crate::sim::{AirRegion, Airflow, Command};
 use crate::wire::messages::{geometry_msgs::Vector3Stamped, toile_msgs::AirflowCommand};
-
-/// C of the force of the air \[kg/(m²·s)\].
-const FLUID_DAMPING: RangeInclusive<f64> = 0.0..=1e4;
-/// Ramps and durations \[s\].
-const TIME: RangeInclusive<f64> = 0.0..=1e5;
 
 /// An air flow with everything that can be said of it.
 pub(super) fn flow(command: AirflowCommand) -> Result<Request, Malformed> {
     check::frame(&command.header.frame_id)?;
     let fluid_damping = command
         .set_fluid_damping
-        .then(|| {
-            check::number(
-                "fluid_damping",
-                command.fluid_damping,
-                &FLUID_DAMPING,
-                "kg/(m^2 s)",
-            )
-        })
+        .then(|| check::number("fluid_damping", command.fluid_damping, &FLUID_DAMPING))
         .transpose()?;
     let region = command.in_region.then(|| region(&command)).transpose()?;
     let hold = command
         .ends
-        .then(|| check::number("hold", command.hold, &TIME, "s"))
+        .then(|| check::number("hold", command.hold, &TIME))
         .transpose()?;
     Ok(Request::Command(vec![Command::Blow(Airflow {
-        velocity: check::speed("velocity", &command.velocity)?,
+        velocity: check::wind("velocity", &command.velocity)?,
         fluid_damping,
         region,
-        rise: check::number("rise", command.rise, &TIME, "s")?,
+        rise: check::number("rise", command.rise, &TIME)?,
         hold,
     })]))
 }
@@ -56,7 +43,7 @@ fn region(command: &AirflowCommand) -> Result<AirRegion, Malformed> {
 pub(super) fn wind(wind: Vector3Stamped) -> Result<Request, Malformed> {
     check::frame(&wind.header.frame_id)?;
     Ok(Request::Command(vec![Command::Blow(Airflow {
-        velocity: check::speed("vector", &wind.vector)?,
+        velocity: check::wind("vector", &wind.vector)?,
         fluid_damping: None,
         region: None,
         rise: 0.0,

@@ -1,78 +1,53 @@
-//! The ranges of what comes in, and the one place where they are checked.
-
-use std::ops::RangeInclusive;
+//! Checks of what comes in: the ranges of scenes, with the path of the field in the message.
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use super::Malformed;
 use crate::contact::{Pose, Shape, Velocity};
+use crate::scene::ranges::{FRICTION, NAME, PLACE, Range, SPEED, TURN_RATE, WIND, is_name};
 use crate::wire::WORLD;
 use crate::wire::messages::geometry_msgs;
 
-/// Sizes of obstacles \[m\].
-const SIZE: RangeInclusive<f64> = 1e-4..=100.0;
-/// Coordinates of obstacles and of air regions \[m\].
-const PLACE: RangeInclusive<f64> = -1e3..=1e3;
-/// Components of the velocities of obstacles and air \[m/s\].
-const SPEED: RangeInclusive<f64> = -100.0..=100.0;
-/// Components of angular velocities \[rad/s\].
-const SPIN: RangeInclusive<f64> = -1e3..=1e3;
-/// Coulomb friction coefficients \[-\].
-const FRICTION: RangeInclusive<f64> = 0.0..=10.0;
+/// Sizes of obstacles; what a scene may have beyond this nobody means in a message.
+const SIZE: Range = Range {
+    min: 1e-4,
+    max: 100.0,
+    unit: "m",
+};
 /// How far the length of a quaternion may be from 1; senders with single precision stay well below.
 const UNIT: f64 = 1e-3;
 /// Rounding alone leaves this, and is left as it is.
 const ROUNDING: f64 = 1e-15;
 
 /// A number in a range; NaN is in none.
-pub(super) fn number(
-    field: &str,
-    value: f64,
-    range: &RangeInclusive<f64>,
-    unit: &str,
-) -> Result<f64, Malformed> {
-    if range.contains(&value) {
-        return Ok(value);
+pub(super) fn number(field: &str, value: f64, range: &Range) -> Result<f64, Malformed> {
+    match range.contains(value) {
+        true => Ok(value),
+        false => Err(Malformed::range(field, value, &format!("must be {range}"))),
     }
-    let (low, high) = (range.start(), range.end());
-    let range = format!("must be {low:?} to {high:?} {unit}");
-    Err(Malformed::range(field, value, range.trim_end()))
 }
 
 /// A size \[m\].
 pub(super) fn size(field: &str, value: f64) -> Result<f64, Malformed> {
-    number(field, value, &SIZE, "m")
+    number(field, value, &SIZE)
 }
 
 /// How far a plane is from the origin of its frame \[m\].
 pub(super) fn distance(field: &str, value: f64) -> Result<f64, Malformed> {
-    number(field, value, &PLACE, "m from the origin")
+    number(field, value, &PLACE)
 }
 
 /// A friction coefficient.
 pub(super) fn friction(value: f64) -> Result<f64, Malformed> {
-    number("friction", value, &FRICTION, "")
+    number("friction", value, &FRICTION)
 }
 
 /// A unique name of an obstacle, which is also that of its frame and part of its topics.
 pub(super) fn name(field: &str, value: &str) -> Result<String, Malformed> {
     match is_name(value) {
         true => Ok(value.to_string()),
-        false => Err(Malformed::range(field, value, NAME)),
+        false => Err(Malformed::range(field, value, &format!("must be {NAME}"))),
     }
-}
-
-const NAME: &str =
-    "must be 1 to 64 letters, digits or single _, a letter first, no _ at the end, and not world";
-
-/// Whether this can stand in ROS topics and frames; the rule of scenes.
-fn is_name(name: &str) -> bool {
-    name.starts_with(|c: char| c.is_ascii_alphabetic())
-        && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
-        && !name.contains("__")
-        && !name.ends_with('_')
-        && name.len() <= 64
-        && name != WORLD
 }
 
 /// The one frame that commands are given in.
@@ -90,7 +65,7 @@ pub(super) fn frame(value: &str) -> Result<(), Malformed> {
 /// A pose with its rotation normalised.
 pub(super) fn pose(field: &str, pose: &geometry_msgs::Pose) -> Result<Pose, Malformed> {
     let p = &pose.position;
-    let place = vector(&format!("{field}.position"), [p.x, p.y, p.z], &PLACE, "m")?;
+    let place = vector(&format!("{field}.position"), [p.x, p.y, p.z], &PLACE)?;
     let q = &pose.orientation;
     let quaternion = Quaternion::new(q.w, q.x, q.y, q.z);
     let error = (quaternion.norm() - 1.0).abs();
@@ -118,28 +93,33 @@ pub(super) fn lenient_pose(field: &str, given: &geometry_msgs::Pose) -> Result<P
 
 /// A position.
 pub(super) fn place(field: &str, p: &geometry_msgs::Point) -> Result<Vector3<f64>, Malformed> {
-    vector(field, [p.x, p.y, p.z], &PLACE, "m")
+    vector(field, [p.x, p.y, p.z], &PLACE)
 }
 
-/// A velocity of obstacle or air.
-pub(super) fn speed(field: &str, v: &geometry_msgs::Vector3) -> Result<Vector3<f64>, Malformed> {
-    vector(field, [v.x, v.y, v.z], &SPEED, "m/s")
+/// A velocity of the air.
+pub(super) fn wind(field: &str, v: &geometry_msgs::Vector3) -> Result<Vector3<f64>, Malformed> {
+    vector(field, [v.x, v.y, v.z], &WIND)
+}
+
+/// A velocity of an obstacle.
+fn speed(field: &str, v: &geometry_msgs::Vector3) -> Result<Vector3<f64>, Malformed> {
+    vector(field, [v.x, v.y, v.z], &SPEED)
 }
 
 /// A velocity from a description \[m/s\].
 pub(super) fn speeds(field: &str, v: [f64; 3]) -> Result<Vector3<f64>, Malformed> {
-    vector(field, v, &SPEED, "m/s")
+    vector(field, v, &SPEED)
 }
 
 /// An angular velocity from a description \[rad/s\].
 pub(super) fn spins(field: &str, v: [f64; 3]) -> Result<Vector3<f64>, Malformed> {
-    vector(field, v, &SPIN, "rad/s")
+    vector(field, v, &TURN_RATE)
 }
 
 /// A pose that was computed.
 pub(super) fn placed(field: &str, pose: Pose) -> Result<Pose, Malformed> {
     let p = pose.translation.vector;
-    vector(&format!("{field}.position"), [p.x, p.y, p.z], &PLACE, "m")?;
+    vector(&format!("{field}.position"), [p.x, p.y, p.z], &PLACE)?;
     Ok(pose)
 }
 
@@ -168,18 +148,13 @@ pub(super) fn twist(field: &str, twist: &geometry_msgs::Twist) -> Result<Velocit
     let w = &twist.angular;
     Ok(Velocity {
         linear: speed(&format!("{field}.linear"), &twist.linear)?,
-        angular: vector(&format!("{field}.angular"), [w.x, w.y, w.z], &SPIN, "rad/s")?,
+        angular: vector(&format!("{field}.angular"), [w.x, w.y, w.z], &TURN_RATE)?,
     })
 }
 
-fn vector(
-    field: &str,
-    values: [f64; 3],
-    range: &RangeInclusive<f64>,
-    unit: &str,
-) -> Result<Vector3<f64>, Malformed> {
+fn vector(field: &str, values: [f64; 3], range: &Range) -> Result<Vector3<f64>, Malformed> {
     for (value, axis) in values.into_iter().zip(["x", "y", "z"]) {
-        number(&format!("{field}.{axis}"), value, range, unit)?;
+        number(&format!("{field}.{axis}"), value, range)?;
     }
     Ok(Vector3::from(values))
 }

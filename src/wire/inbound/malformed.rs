@@ -53,7 +53,7 @@ impl Malformed {
     }
 
     /// A value out of range, quoted at most in part and on one line.
-    pub(super) fn range(field: &str, value: impl std::fmt::Debug, range: &str) -> Self {
+    pub(in crate::wire) fn range(field: &str, value: impl std::fmt::Debug, range: &str) -> Self {
         Self::OutOfRange {
             field: field.to_string(),
             value: shortened(value),

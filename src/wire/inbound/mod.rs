@@ -5,6 +5,7 @@
 mod air;
 mod answer;
 mod check;
+mod compose;
 mod malformed;
 mod object;
 mod obstacle;

@@ -1,5 +1,6 @@
 //! Every channel that requests come in on, in one table.
 
+use super::compose::compose;
 use super::{Malformed, Outcome, Request, air, answer, object, obstacle, services};
 use crate::wire::cdr::CdrError;
 use crate::wire::messages::geometry_msgs::Vector3Stamped;
@@ -35,6 +36,7 @@ pub struct Inlet {
     /// The service, if it is one.
     pub service: Option<&'static ServiceType>,
     read: fn(&[u8]) -> Result<Request, Malformed>,
+    compose: fn(&serde_json::Value) -> Result<Vec<u8>, String>,
     pub(super) write: fn(&Outcome) -> Result<Vec<u8>, CdrError>,
 }
 
@@ -53,6 +55,7 @@ macro_rules! topic {
             response: None,
             service: None,
             read: |bytes| $read(cdr::decode::<$message>(bytes)?),
+            compose: compose::<$message>,
             write: answer::nothing,
         }
     };
@@ -67,6 +70,7 @@ macro_rules! service {
             response: Some(<$service as Service>::TYPE.response),
             service: Some(<$service as Service>::TYPE),
             read: |bytes| services::$verb(cdr::decode::<<$service as Service>::Request>(bytes)?),
+            compose: compose::<<$service as Service>::Request>,
             write: answer::$verb,
         }
     };
@@ -125,6 +129,16 @@ pub static ALL: &[&Inlet] = &[
 /// The inlet of a name.
 pub fn find(name: &str) -> Option<&'static Inlet> {
     ALL.iter().copied().find(|inlet| inlet.name == name)
+}
+
+impl Inlet {
+    /// The bytes of a request with these fields by name; fields that are not given are zero or empty.
+    ///
+    /// # Errors
+    /// One line that names the field.
+    pub fn compose(&self, fields: &serde_json::Value) -> Result<Vec<u8>, String> {
+        (self.compose)(fields)
+    }
 }
 
 /// Reads what came in on an inlet and checks all of it.

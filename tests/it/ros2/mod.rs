@@ -1,0 +1,7 @@
+//! ROS 2: the real binary with its bridge process, and foreign peers, all on the loopback.
+
+mod hostile;
+mod peers;
+mod rig;
+mod services;
+mod supervision;
