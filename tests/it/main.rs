@@ -14,6 +14,7 @@ mod contacts;
 mod damage;
 mod encoding;
 mod energy;
+mod equilibrium;
 mod friction;
 mod inbound;
 mod inbound_objects;
