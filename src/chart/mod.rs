@@ -1,9 +1,11 @@
 //! Pictures and charts: plain data in, PNG, SVG and CSV text out. Nothing here touches files or clocks.
 //!
 //! - [`picture`]: a sheet with its obstacles, shaded, in one frame or a strip of frames.
+//! - [`diagram`]: the report of a laboratory instrument.
 //! - [`work_precision`]: error against CPU time of every scheme and step, failures included.
 
 mod course;
+pub mod diagram;
 mod lettering;
 pub mod picture;
 mod picture_camera;
@@ -23,6 +25,7 @@ pub mod rows;
 pub mod work_precision;
 
 pub use course::{CpuClock, Watch};
+pub use diagram::report;
 pub use lettering::{DrawError, png_of_svg};
 pub use picture::{Moment, Picture, Size, Subject, draw};
 pub use picture_framing::{Framing, View};

@@ -86,7 +86,7 @@ fn heading(root: &Area, caption: &Caption) -> Result<(), DrawError> {
 fn legend(root: &Area, arranged: &Arranged) -> Result<(), DrawError> {
     let mut x = 30;
     let y = 92;
-    for scheme in Scheme::ALL {
+    for scheme in Scheme::IN_TIME {
         let drawn = arranged.curves.iter().any(|(s, _)| *s == scheme)
             || arranged.crosses.iter().any(|c| c.scheme == scheme);
         if !drawn {

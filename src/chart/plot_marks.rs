@@ -18,6 +18,7 @@ pub(super) fn color(scheme: Scheme) -> RGBColor {
         Scheme::Bdf2 => RGBColor(0, 114, 178),
         Scheme::GeneralisedAlpha => RGBColor(0, 158, 115),
         Scheme::CentralDifference => RGBColor(170, 80, 150),
+        Scheme::Equilibrium => RGBColor(90, 90, 90),
     }
 }
 
@@ -34,7 +35,9 @@ pub(super) fn mark(area: &Area, scheme: Scheme, (x, y): (i32, i32)) -> Result<()
         }
         Scheme::Bdf2 => vec![(-r, -r), (r, -r), (r, r), (-r, r)],
         Scheme::GeneralisedAlpha => vec![(0, -r - 2), (r + 1, r - 1), (-r - 1, r - 1)],
-        Scheme::CentralDifference => vec![(0, -r - 2), (r + 2, 0), (0, r + 2), (-r - 2, 0)],
+        Scheme::CentralDifference | Scheme::Equilibrium => {
+            vec![(0, -r - 2), (r + 2, 0), (0, r + 2), (-r - 2, 0)]
+        }
     };
     for (scale, ink) in [(1.35, WHITE), (1.0, color(scheme))] {
         let place = |(a, b): &(i32, i32)| {

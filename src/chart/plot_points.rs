@@ -36,7 +36,7 @@ const LEAST: f64 = 1e-9;
 
 pub(super) fn arrange(rows: &[&Row]) -> Arranged {
     let mut out = Arranged::default();
-    for scheme in Scheme::ALL {
+    for scheme in Scheme::IN_TIME {
         let mut points: Vec<Point> = rows
             .iter()
             .filter(|r| r.key.scheme == scheme)

@@ -201,7 +201,7 @@ fn row(line: &str, number: usize) -> Result<Row, RowsError> {
         },
         _ => return Err(fields.refuse("status")),
     };
-    let scheme = Scheme::ALL
+    let scheme = Scheme::IN_TIME
         .into_iter()
         .find(|s| s.name() == fields.text("scheme"));
     Ok(Row {

@@ -29,6 +29,9 @@ pub enum CliError {
         /// Where the last good state is.
         recording: PathBuf,
     },
+    /// An instrument that found no reading, in words.
+    #[error("{0}")]
+    Measure(String),
     /// A run or a file that failed.
     #[error(transparent)]
     Node(#[from] NodeError),
@@ -79,6 +82,7 @@ impl CliError {
                 | Ros2Error::Name { .. },
             )) => ExitCode::from(2),
             CliError::Diverged { .. }
+            | CliError::Measure(_)
             | CliError::Node(_)
             | CliError::Faulty { .. }
             | CliError::Differs { .. }

@@ -8,8 +8,10 @@ mod bridge;
 mod chart;
 mod commands;
 mod error;
+mod identify;
 mod info;
 mod list;
+mod measure;
 mod output;
 mod progress;
 mod recover;
@@ -25,6 +27,7 @@ mod shared;
 mod show;
 mod signals;
 mod source;
+mod specimen;
 mod summary;
 #[cfg(feature = "iceoryx2")]
 mod transport;
@@ -65,6 +68,10 @@ enum Verb {
     Scene(scene::SceneArgs),
     /// Draw a recording as PNG; write the layouts of viewers.
     Show(show::ShowArgs),
+    /// Measure a fabric in a laboratory instrument.
+    Measure(measure::MeasureArgs),
+    /// Turn measured tests into the constants of a fabric.
+    Identify(identify::IdentifyArgs),
     /// Send a command to a running simulation.
     #[cfg(feature = "iceoryx2")]
     Send(send::SendArgs),
@@ -93,6 +100,8 @@ pub fn main() -> ExitCode {
         Verb::List(args) => args.run(),
         Verb::Scene(args) => args.run(),
         Verb::Show(args) => args.run(),
+        Verb::Measure(args) => args.run(),
+        Verb::Identify(args) => args.run(),
         #[cfg(feature = "iceoryx2")]
         Verb::Send(args) => args.run(),
         #[cfg(feature = "iceoryx2")]

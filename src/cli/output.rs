@@ -26,9 +26,14 @@ pub(super) fn announce(path: &Path) -> Result<(), CliError> {
     print(&format!("{}\n", path.display()))
 }
 
+/// Writes a file.
+pub(super) fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
+    Ok(fs::write(path, bytes).map_err(NodeError::file("write", path))?)
+}
+
 /// Writes a file and prints its path.
 pub(super) fn save(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
-    fs::write(path, bytes).map_err(NodeError::file("write", path))?;
+    write(path, bytes)?;
     announce(path)
 }
 

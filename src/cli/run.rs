@@ -37,7 +37,7 @@ pub(super) struct RunArgs {
     /// Replace any key of the scene, such as damping=0 or obstacle.table.friction=0.5.
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
-    /// Time scheme: backward-euler, bdf2, generalised-alpha, central-difference (sets method.scheme).
+    /// Time scheme: backward-euler, bdf2, generalised-alpha, central-difference, equilibrium (sets method.scheme).
     #[arg(long, value_name = "M")]
     method: Option<String>,
     /// Step in seconds (sets method.dt).

@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::output;
 use crate::node::{Orders, Pace, Peak, Summary};
-use crate::scene::{Scene, Warning, needs};
+use crate::scene::{Scene, Scheme, Warning, needs};
 use crate::sim::Energies;
 
 /// The closing summary on a terminal.
@@ -111,6 +111,9 @@ fn simulated(scene: &Scene, run: &Summary) -> String {
         false => String::new(),
     };
     let converged = match run.converged {
+        true if scene.method.scheme == Scheme::Equilibrium => {
+            "every step ended at rest, at a minimum of the energy"
+        }
         true => "every step converged",
         false => "NOT every step converged",
     };

@@ -1,6 +1,7 @@
 //! Woven fabric as material constants: the law, the paper's catalogue, and the only place for textile units.
 
 mod catalogue;
+pub mod identify;
 mod law;
 #[cfg(test)]
 mod test;

@@ -20,6 +20,8 @@ pub struct Limits {
     pub tolerance: f64,
     /// Most iterations.
     pub iterations: usize,
+    /// A step is cut while the slope along it, at its end, is more than this times that at its start, downhill.
+    pub overshoot: f64,
 }
 
 /// What the iteration did.
@@ -35,6 +37,8 @@ pub struct Outcome {
     pub factorisations: u64,
     /// Line search steps beyond the first.
     pub halvings: u64,
+    /// Whether the last step of the iteration was taken.
+    pub moved: bool,
 }
 
 /// Work vectors, kept between calls.
@@ -59,8 +63,8 @@ impl Scratch {
 const LEAST_PROJECTION: f64 = 1.0 / 64.0;
 /// Most halvings of one step.
 const HALVINGS: usize = 12;
-/// A step is long enough when |slope| along it has fallen below this fraction.
-const CURVATURE: f64 = 0.9;
+/// The usual [`Limits::overshoot`]: a step must not end much further up than it began downhill.
+pub const OVERSHOOT: f64 = 0.9;
 
 /// Solves r(z) = 0 from the given z, which holds the best iterate on return.
 pub fn newton(
@@ -84,6 +88,7 @@ pub fn newton(
             return outcome;
         }
         outcome.iterations += 1;
+        outcome.moved = false;
         if !factorise(problem, cholesky, scratch, &mut outcome) {
             return outcome;
         }
@@ -91,7 +96,8 @@ pub fn newton(
             *step = -r;
         }
         cholesky.solve(&mut scratch.step, 1);
-        if !line_search(problem, z, scratch, &mut outcome) {
+        outcome.moved = line_search(problem, z, limits.overshoot, scratch, &mut outcome);
+        if !outcome.moved {
             return outcome;
         }
     }
@@ -127,6 +133,7 @@ fn factorise(
 fn line_search(
     problem: &mut impl Problem,
     z: &mut [f64],
+    overshoot: f64,
     scratch: &mut Scratch,
     outcome: &mut Outcome,
 ) -> bool {
@@ -141,7 +148,7 @@ fn line_search(
         }
         let norm = problem.residual(&scratch.trial, &mut scratch.trial_r);
         let trial_slope = dot(&scratch.trial_r, &scratch.step);
-        if norm.is_finite() && trial_slope <= CURVATURE * slope.abs() {
+        if norm.is_finite() && trial_slope <= overshoot * slope.abs() {
             z.copy_from_slice(&scratch.trial);
             std::mem::swap(&mut scratch.r, &mut scratch.trial_r);
             outcome.norm = norm;

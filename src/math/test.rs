@@ -1,5 +1,5 @@
 use super::cholesky::Cholesky;
-use super::newton::{Limits, Problem, Scratch, newton};
+use super::newton::{Limits, OVERSHOOT, Problem, Scratch, newton};
 use super::ordering::nested_dissection;
 use super::sparse::{NO_SLOT, Pattern};
 
@@ -137,6 +137,7 @@ fn newton_finds_the_minimum_from_afar_and_says_what_it_did() {
     let limits = Limits {
         tolerance: 1e-12,
         iterations: 50,
+        overshoot: OVERSHOOT,
     };
     let (mut z, mut scratch) = (vec![0.0; 4], Scratch::default());
     let outcome = newton(&mut problem, &mut cholesky, &mut z, &limits, &mut scratch);

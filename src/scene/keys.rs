@@ -196,6 +196,7 @@ const SCHEMES: &[&str] = &[
     "bdf2",
     "generalised-alpha",
     "central-difference",
+    "equilibrium",
 ];
 
 const OUTPUT: &[Key] = &[

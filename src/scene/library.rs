@@ -1,7 +1,7 @@
 //! The built-in scenes, embedded so that the binary runs with nothing beside it.
 
 /// Name and text of each, in the order of `toile list scenes`.
-const SCENES: [(&str, &str); 6] = [
+const SCENES: [(&str, &str); 7] = [
     ("drape-table", include_str!("library/drape-table.toml")),
     (
         "drape-table-air",
@@ -10,6 +10,7 @@ const SCENES: [(&str, &str); 6] = [
     ("free-fall", include_str!("library/free-fall.toml")),
     ("cantilever", include_str!("library/cantilever.toml")),
     ("four-edges", include_str!("library/four-edges.toml")),
+    ("three-edges", include_str!("library/three-edges.toml")),
     ("strip-release", include_str!("library/strip-release.toml")),
 ];
 

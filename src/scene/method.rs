@@ -14,11 +14,22 @@ pub enum Scheme {
     GeneralisedAlpha,
     /// The paper's explicit scheme (16), at its own stable step.
     CentralDifference,
+    /// No time: each step ends at rest, a minimum of the energy.
+    Equilibrium,
 }
 
 impl Scheme {
     /// All schemes, in the order of `toile list methods`.
-    pub const ALL: [Scheme; 4] = [
+    pub const ALL: [Scheme; 5] = [
+        Scheme::BackwardEuler,
+        Scheme::Bdf2,
+        Scheme::GeneralisedAlpha,
+        Scheme::CentralDifference,
+        Scheme::Equilibrium,
+    ];
+
+    /// Those that follow the motion in time.
+    pub const IN_TIME: [Scheme; 4] = [
         Scheme::BackwardEuler,
         Scheme::Bdf2,
         Scheme::GeneralisedAlpha,
@@ -32,6 +43,7 @@ impl Scheme {
             Scheme::Bdf2 => "bdf2",
             Scheme::GeneralisedAlpha => "generalised-alpha",
             Scheme::CentralDifference => "central-difference",
+            Scheme::Equilibrium => "equilibrium",
         }
     }
 
@@ -44,6 +56,9 @@ impl Scheme {
             Scheme::CentralDifference => {
                 "explicit, second order, substeps at its own stability limit"
             }
+            Scheme::Equilibrium => {
+                "no time: each step ends at rest, a tested minimum of the energy"
+            }
         }
     }
 }
@@ -54,7 +69,7 @@ impl Scheme {
 pub struct MethodSpec {
     /// Time scheme.
     pub scheme: Scheme,
-    /// Step \[s\]; the outer step of `central-difference`, which substeps.
+    /// Step \[s\]; the outer step of `central-difference`, which substeps; the first step of the flow of `equilibrium`.
     pub dt: f64,
     /// A step has converged when its force residual is below this fraction of the sheet's weight \[-\].
     pub tolerance: f64,

@@ -56,6 +56,36 @@ impl Implicit {
     /// Forgets the steps before: a step depends on the state alone, whatever led to it.
     pub fn forget(&mut self) {
         self.scratch.forget();
+        self.stresses.clear();
+    }
+
+    /// Factorises the exact second derivative of the energy at a state, plus `shift` times the mass \[1/s²\]; says
+    /// whether the sum is positive definite.
+    pub fn factorise_exact(
+        &mut self,
+        model: &Model,
+        state: &State,
+        touch: &Touch,
+        shift: f64,
+    ) -> bool {
+        let nodes = state.nodes();
+        let stress = |f: usize| {
+            let x = pick(&nodes, &model.stretch.nodes(f));
+            model.stretch.linearised_stress(f, &x, &x)
+        };
+        let stresses: Vec<_> = (0..model.stretch.count()).map(stress).collect();
+        let mut values = vec![0.0; self.assembly.pattern().entries()];
+        self.assembly
+            .tangent(model, &nodes, &stresses, (shift, 0.0), 0.0, &mut values);
+        if let Some(law) = &model.contact {
+            touch.tangent(model, law, &nodes, 0.0, &self.assembly, &mut values);
+        }
+        self.cholesky.factorise(&values).is_ok()
+    }
+
+    /// Solves in place with the last matrix that was factorised.
+    pub fn back_substitute(&mut self, rhs: &mut [f64]) {
+        self.cholesky.solve(rhs, 1);
     }
 
     /// Solves the equations of a part of a step from `state`: it starts `within` the step and takes `dt`.
@@ -84,11 +114,14 @@ impl Implicit {
         self.forces.resize(self.nodes.len(), Vector3::zeros());
         model.dofs.gather(&self.nodes, &mut self.z);
         let start = state.nodes();
-        self.stresses.clear();
-        self.stresses.extend((0..model.stretch.count()).map(|f| {
-            let x = pick(&start, &model.stretch.nodes(f));
-            model.stretch.linearised_stress(f, &x, &x)
-        }));
+        // A flow goes on with the stress of its last step.
+        if rule != Rule::GradientFlow || self.stresses.is_empty() {
+            self.stresses.clear();
+            self.stresses.extend((0..model.stretch.count()).map(|f| {
+                let x = pick(&start, &model.stretch.nodes(f));
+                model.stretch.linearised_stress(f, &x, &x)
+            }));
+        }
         let mut problem = StepProblem {
             stresses: &mut self.stresses,
             iterate: self.nodes.clone(),

@@ -1,5 +1,6 @@
 //! A model with its state, and the step (DESIGN section 6).
 
+use super::equilibrium::{Equilibrium, equilibrium_step};
 use super::implicit::Implicit;
 use super::integrate::Rule;
 use super::integrate::explicit::{Explicit, SAFETY};
@@ -44,6 +45,7 @@ pub struct Simulation {
     pub(super) engine: Engine,
     /// The state at the start, for a reset.
     pub(super) start: State,
+    pub(super) found: Option<Equilibrium>,
 }
 
 impl Simulation {
@@ -71,6 +73,7 @@ impl Simulation {
             state,
             report,
             engine,
+            found: None,
         })
     }
 
@@ -106,6 +109,11 @@ impl Simulation {
             ..StepReport::default()
         };
         let touch = match &mut self.engine {
+            Engine::Implicit(Rule::GradientFlow, solver) => {
+                let (touch, found) = equilibrium_step(&self.model, solver, &mut next, &mut report)?;
+                self.found = Some(found);
+                touch
+            }
             Engine::Implicit(rule, solver) => {
                 implicit_step(&self.model, *rule, solver, &mut next, &mut report)?
             }

@@ -8,7 +8,7 @@ use super::model::Model;
 use super::report::StepReport;
 use super::state::State;
 use super::touch::Touch;
-use crate::math::newton::Limits;
+use crate::math::newton::{Limits, OVERSHOOT};
 
 /// Distance from the origin beyond which a vertex counts as lost \[m\].
 const FAR: f64 = 1e6;
@@ -50,6 +50,7 @@ pub fn implicit_step(
     let limits = Limits {
         tolerance: method.tolerance,
         iterations: method.max_iterations,
+        overshoot: OVERSHOOT,
     };
     solver.forget();
     let (mut done, mut size) = (0, TICKS);
@@ -127,19 +128,35 @@ pub fn take(state: &mut State, rule: Rule, solved: &Solved, dt: f64) -> f64 {
 }
 
 /// The step that failed, with where it was worst.
-pub fn diverged(model: &Model, state: &State, solved: &Solved, dt: f64) -> Diverged {
+fn diverged(model: &Model, state: &State, solved: &Solved, dt: f64) -> Diverged {
     let method = &model.scene.method;
+    let advice = format!(
+        "try a smaller method.dt (now {:.1e} s), a finer mesh there, or more method.max_iterations (now {})",
+        method.dt, method.max_iterations
+    );
+    let worst = (solved.outcome.norm, solved.worst);
+    Diverged {
+        dt,
+        ..failure(model, state, worst, advice)
+    }
+}
+
+/// A step that failed with a residual over the weight \[-\], largest at a vertex.
+pub fn failure(
+    model: &Model,
+    state: &State,
+    (residual, vertex): (f64, usize),
+    advice: String,
+) -> Diverged {
+    let dt = model.scene.method.dt;
     Diverged {
         step: state.step + 1,
-        time: state.step as f64 * method.dt,
+        time: state.step as f64 * dt,
         dt,
-        residual: solved.outcome.norm,
-        vertex: solved.worst,
-        at: state.positions[solved.worst].into(),
-        advice: format!(
-            "try a smaller method.dt (now {:.1e} s), a finer mesh there, or more method.max_iterations (now {})",
-            method.dt, method.max_iterations
-        ),
+        residual,
+        vertex,
+        at: state.positions[vertex].into(),
+        advice,
     }
 }
 

@@ -1,8 +1,8 @@
 //! ARCHITECTURE.md and README.md against the code: what they list is what there is.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 
+use toile::instrument::Instrument;
 use toile::scene::{OutputSpec, Scheme, Term};
 use toile::wire::channels::{self, Rate};
 
@@ -101,13 +101,17 @@ fn every_scheme_is_named() {
 
 #[test]
 fn every_instrument_is_named() {
-    let files = fs::read_dir(root().join("src/instrument")).unwrap();
-    let instruments: BTreeSet<_> = files
-        .map(|entry| entry.unwrap().path())
-        .map(|path| path.file_stem().unwrap().to_str().unwrap().to_string())
-        .filter(|name| name != "mod")
-        .collect();
+    let instruments = variants("src/instrument/mod.rs", "Instrument");
     assert_eq!(names(&rows("Instruments")), instruments);
+    let all: BTreeSet<_> = Instrument::ALL
+        .iter()
+        .map(|instrument| instrument.name().to_string())
+        .collect();
+    assert_eq!(all, instruments, "in Instrument::ALL");
+    for name in &instruments {
+        let path = format!("src/instrument/{name}.rs");
+        assert!(root().join(&path).is_file(), "{path} is missing");
+    }
 }
 
 #[test]

@@ -39,11 +39,17 @@ pub fn reading(simulation: &Simulation, name: &str) -> f64 {
 
 /// Derivative of the membrane and bending energy by each vertex \[N\]: what supports must hold at rest.
 pub fn internal_forces(simulation: &Simulation) -> Vec<Vector3<f64>> {
+    let mut forces = node_forces(simulation);
+    forces.truncate(simulation.model().masses.len());
+    forces
+}
+
+/// The same with the moments \[N·m\] on the slopes after the forces on the vertices.
+pub fn node_forces(simulation: &Simulation) -> Vec<Vector3<f64>> {
     let (model, nodes) = (simulation.model(), simulation.state().nodes());
     let mut forces = vec![Vector3::zeros(); nodes.len()];
     add(&model.stretch, &nodes, &mut forces);
     add(&model.bend, &nodes, &mut forces);
-    forces.truncate(model.masses.len());
     forces
 }
 

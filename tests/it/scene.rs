@@ -104,6 +104,7 @@ fn built_in_scenes_are_checked_and_survive_being_written() {
             "free-fall",
             "cantilever",
             "four-edges",
+            "three-edges",
             "strip-release"
         ]
     );

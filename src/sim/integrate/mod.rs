@@ -55,6 +55,7 @@ impl Rule {
             Scheme::BackwardEuler => Some(Self::BackwardEuler),
             Scheme::Bdf2 => Some(Self::Bdf2),
             Scheme::GeneralisedAlpha => Some(Self::GeneralisedAlpha(method.rho_infinity)),
+            Scheme::Equilibrium => Some(Self::GradientFlow),
             Scheme::CentralDifference => None,
         }
     }

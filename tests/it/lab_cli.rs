@@ -1,0 +1,148 @@
+//! `toile measure` and `toile identify` as a laboratory runs them.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+fn toile(dir: &Path, args: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_toile"));
+    command.args(args).current_dir(dir).output().unwrap()
+}
+
+#[track_caller]
+fn succeeds(dir: &Path, args: &[&str]) -> String {
+    let output = toile(dir, args);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{args:?}: {said}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[track_caller]
+fn refuses(dir: &Path, args: &[&str], part: &str) {
+    let output = toile(dir, args);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{args:?}: {said}");
+    assert!(output.stdout.is_empty());
+    assert!(
+        said.starts_with("error: ") && said.matches('\n').count() == 1,
+        "{said}"
+    );
+    assert!(said.contains(part), "`{part}` is not in: {said}");
+}
+
+/// From tests to a fabric, pasted into a scene that runs, and measured again: the tests come back.
+#[test]
+fn tests_become_a_fabric_that_gives_them_back() {
+    let dir = TempDir::new().unwrap();
+    let at = dir.path();
+    let tests = succeeds(at, &["identify", "--example"]);
+    std::fs::write(at.join("tests.toml"), tests).unwrap();
+    let fabric = succeeds(at, &["identify", "tests.toml"]);
+    assert!(
+        fabric.contains("Peirce (19)-(20)") && fabric.contains("\n[fabric]\n"),
+        "{fabric}"
+    );
+    std::fs::write(at.join("fabric.toml"), &fabric).unwrap();
+
+    let scene = "name = \"napkin\"\ndescription = \"A sheet falls\"\nduration = 0.01\n\
+                 sheet = { outline = { kind = \"disc\", diameter = 0.1 }, triangles = 60 }\n";
+    std::fs::write(at.join("napkin.toml"), format!("{scene}{fabric}")).unwrap();
+    succeeds(at, &["run", "napkin.toml"]);
+
+    let measure = |args: &[&str]| -> Value {
+        let fixed = [
+            "measure",
+            args[0],
+            "--fabric",
+            "fabric.toml",
+            "--json",
+            "--meshes",
+            "1",
+        ];
+        let all: Vec<&str> = fixed.iter().chain(&args[1..]).copied().collect();
+        serde_json::from_str(&succeeds(at, &all)).unwrap()
+    };
+    let reading = |report: &Value, name: &str| -> f64 {
+        let readings = report["readings"].as_array().unwrap();
+        let found = readings.iter().find(|r| r["name"] == name).unwrap();
+        found["value"].as_f64().unwrap()
+    };
+    for (direction, modulus) in [("warp", 6.33e6), ("weft", 2.55e6), ("bias", 4.36e6)] {
+        let report = measure(&["tensile", "--direction", direction]);
+        let off = reading(&report, "modulus at no strain") / modulus - 1.0;
+        assert!(off.abs() < 1e-5, "{direction}: {off}");
+    }
+    let report = measure(&["cantilever", "--direction", "weft", "-o", "report.svg"]);
+    let off = reading(&report, "overhang") / 0.0521 - 1.0;
+    assert!(off.abs() < 2e-3, "overhang: {off}");
+    let svg = std::fs::read_to_string(at.join("report.svg")).unwrap();
+    for part in [
+        "<svg",
+        "exact elastica",
+        "cantilever: F1-measured, weft",
+        "flexural rigidity",
+    ] {
+        assert!(svg.contains(part), "{part}");
+    }
+}
+
+#[test]
+fn a_reading_is_printed_with_its_units_mesh_and_residual() {
+    let dir = TempDir::new().unwrap();
+    let text = succeeds(dir.path(), &["measure", "cantilever", "--fabric", "F9"]);
+    for part in [
+        "cantilever: F9, warp",
+        "flexural rigidity, exact",
+        "µN·m",
+        "±",
+        "356 triangles, edges of 0.98",
+        "of the weight",
+        "at 41.5 degrees",
+    ] {
+        assert!(text.contains(part), "`{part}` is not in:\n{text}");
+    }
+}
+
+#[test]
+fn bad_input_is_one_line() {
+    let dir = TempDir::new().unwrap();
+    let at = dir.path();
+    let measure = |rest: &[&'static str]| [&["measure", "tensile", "--fabric"][..], rest].concat();
+    refuses(
+        at,
+        &measure(&["F13"]),
+        "--fabric F13: neither of the catalogue (F1, F2",
+    );
+    refuses(
+        at,
+        &measure(&["F1", "--set", "damping=1"]),
+        "only keys of the fabric",
+    );
+    refuses(
+        at,
+        &measure(&["F1", "--set", "fabric.thickness=9"]),
+        "fabric.thickness",
+    );
+    refuses(
+        at,
+        &measure(&["F1", "--width", "0.001", "--edge", "0.01"]),
+        "width = 0.001",
+    );
+    refuses(
+        at,
+        &["identify", "nowhere.toml"],
+        "nowhere.toml: cannot be read",
+    );
+    std::fs::write(at.join("half.toml"), "name = \"x\"\nareal_density = 0.1\n").unwrap();
+    refuses(at, &["identify", "half.toml"], "missing field");
+    let tests = succeeds(at, &["identify", "--example"]);
+    let stiff = tests.replace("young_bias = 4.36e6", "young_bias = 4e7");
+    std::fs::write(at.join("stiff.toml"), stiff).unwrap();
+    refuses(
+        at,
+        &["identify", "stiff.toml"],
+        "young_bias = 40000000: must be below",
+    );
+}
