@@ -12,6 +12,8 @@ use crate::physics::bend::curvature_operator;
 /// A node in four lanes; the last is zero.
 pub type Lanes = [f64; 4];
 
+const ZERO: Lanes = [0.0; 4];
+
 /// Constants of the faces.
 pub struct Kernel {
     faces: Vec<Face>,
@@ -27,7 +29,8 @@ struct Face {
     area: f64,
     /// Shape gradients of corners 1 and 2 \[1/m\].
     shape: [[f64; 2]; 2],
-    /// Curvatures 11, 22, 12 by corners 1 and 2 (relative to corner 0) and the three slopes.
+    /// Curvatures 11, 22, 12, times the root of the area, by corners 1 and 2 (relative to corner 0) and the three
+    /// slopes.
     curvature: [[f64; 5]; 3],
 }
 
@@ -37,11 +40,12 @@ impl Kernel {
         let face = |f: usize| {
             let shape = model.mesh.shape_gradients(f);
             let operator = curvature_operator(&model.mesh, f);
+            let root = model.mesh.face_areas[f].sqrt();
             Face {
                 nodes: model.bend.nodes(f),
                 area: model.mesh.face_areas[f],
                 shape: [shape[1].into(), shape[2].into()],
-                curvature: std::array::from_fn(|c| std::array::from_fn(|k| operator[(c, k + 1)])),
+                curvature: [0, 1, 2].map(|c| [1, 2, 3, 4, 5].map(|k| operator[(c, k)] * root)),
             }
         };
         let (c, d) = (model.fabric.membrane(), model.fabric.bending());
@@ -81,65 +85,73 @@ impl pulp::WithSimd for Pass<'_> {
             let [a, b, c] = [a as usize, b as usize, c as usize];
             let [d, e, f] = [d as usize, e as usize, f as usize];
             let (d1, d2) = (sub(nodes[b], nodes[a]), sub(nodes[c], nodes[a]));
-            let [f1, f2] = stretch(face, &self.kernel.membrane, d1, d2);
-            let bend = bend(
-                face,
-                &self.kernel.bending,
-                [d1, d2, nodes[d], nodes[e], nodes[f]],
-            );
-            let (f1, f2) = (add(f1, bend[0]), add(f2, bend[1]));
+            let stress = stretch(face, &self.kernel.membrane, d1, d2);
+            let sides = [d1, d2, nodes[d], nodes[e], nodes[f]];
+            let moments = bend(face, &self.kernel.bending, sides);
+            let f1 = bent(face, &moments, 0, across(face, &stress, 0));
+            let f2 = bent(face, &moments, 1, across(face, &stress, 1));
             forces[a] = add(forces[a], add(f1, f2));
             forces[b] = sub(forces[b], f1);
             forces[c] = sub(forces[c], f2);
-            forces[d] = sub(forces[d], bend[2]);
-            forces[e] = sub(forces[e], bend[3]);
-            forces[f] = sub(forces[f], bend[4]);
+            forces[d] = sub(forces[d], bent(face, &moments, 2, ZERO));
+            forces[e] = sub(forces[e], bent(face, &moments, 3, ZERO));
+            forces[f] = sub(forces[f], bent(face, &moments, 4, ZERO));
         }
     }
 }
 
-/// Derivative of the membrane energy by corners 1 and 2.
+// No closures below: the compiler would not give them the vector unit's instructions.
+
+/// Membrane force across the warp and across the weft, times the area.
 #[inline(always)]
 fn stretch(face: &Face, c: &[f64; 4], d1: Lanes, d2: Lanes) -> [Lanes; 2] {
     let [[n1x, n1y], [n2x, n2y]] = face.shape;
-    let r1 = add(scale(d1, n1x), scale(d2, n2x));
-    let r2 = add(scale(d1, n1y), scale(d2, n2y));
+    let r1 = fused(d2, n2x, scale(d1, n1x));
+    let r2 = fused(d2, n2y, scale(d1, n1y));
     let half = 0.5 * face.area;
     let (e11, e22) = (half * (dot(r1, r1) - 1.0), half * (dot(r2, r2) - 1.0));
     let s11 = c[0] * e11 + c[2] * e22;
     let s22 = c[1] * e22 + c[2] * e11;
     let s12 = c[3] * face.area * dot(r1, r2);
-    let along_warp = add(scale(r1, s11), scale(r2, s12));
-    let along_weft = add(scale(r1, s12), scale(r2, s22));
     [
-        add(scale(along_warp, n1x), scale(along_weft, n1y)),
-        add(scale(along_warp, n2x), scale(along_weft, n2y)),
+        fused(r2, s12, scale(r1, s11)),
+        fused(r2, s22, scale(r1, s12)),
     ]
 }
 
-/// Derivative of the bending energy by corners 1 and 2 and the three slopes.
+/// Moments 11, 22, 12, times the root of the area, from corners 1 and 2 and the three slopes.
 #[inline(always)]
-fn bend(face: &Face, d: &[f64; 4], x: [Lanes; 5]) -> [Lanes; 5] {
-    let curvature = |row: &[f64; 5]| {
-        let corners = add(scale(x[0], row[0]), scale(x[1], row[1]));
-        let slopes = add(
-            add(scale(x[2], row[2]), scale(x[3], row[3])),
-            scale(x[4], row[4]),
-        );
-        scale(add(corners, slopes), face.area)
-    };
+fn bend(face: &Face, d: &[f64; 4], x: [Lanes; 5]) -> [Lanes; 3] {
+    let k11 = curvature(&face.curvature[0], &x);
+    let k22 = curvature(&face.curvature[1], &x);
+    let k12 = curvature(&face.curvature[2], &x);
+    [
+        fused(k22, d[2], scale(k11, d[0])),
+        fused(k11, d[2], scale(k22, d[1])),
+        scale(k12, d[3]),
+    ]
+}
+
+#[inline(always)]
+fn curvature(row: &[f64; 5], x: &[Lanes; 5]) -> Lanes {
+    let corners = fused(x[1], row[1], scale(x[0], row[0]));
+    let slopes = fused(x[3], row[3], scale(x[2], row[2]));
+    add(fused(x[4], row[4], corners), slopes)
+}
+
+/// What the membrane does to corner 1 or 2.
+#[inline(always)]
+fn across(face: &Face, stress: &[Lanes; 2], corner: usize) -> Lanes {
+    let [along_warp, along_weft] = face.shape[corner];
+    fused(stress[1], along_weft, scale(stress[0], along_warp))
+}
+
+/// A force with what the moments do to corner 1 or 2 or to a slope.
+#[inline(always)]
+fn bent(face: &Face, moments: &[Lanes; 3], node: usize, force: Lanes) -> Lanes {
     let [c11, c22, c12] = &face.curvature;
-    let k = [curvature(c11), curvature(c22), curvature(c12)];
-    let moments = [
-        add(scale(k[0], d[0]), scale(k[1], d[2])),
-        add(scale(k[1], d[1]), scale(k[0], d[2])),
-        scale(k[2], d[3]),
-    ];
-    let force = |i: usize| {
-        let both = add(scale(moments[0], c11[i]), scale(moments[1], c22[i]));
-        add(both, scale(moments[2], c12[i]))
-    };
-    [force(0), force(1), force(2), force(3), force(4)]
+    let both = fused(moments[1], c22[node], fused(moments[0], c11[node], force));
+    fused(moments[2], c12[node], both)
 }
 
 /// Three components in four lanes.
@@ -165,6 +177,17 @@ pub fn sub(a: Lanes, b: Lanes) -> Lanes {
 #[inline(always)]
 pub fn scale(a: Lanes, s: f64) -> Lanes {
     [a[0] * s, a[1] * s, a[2] * s, a[3] * s]
+}
+
+/// a s + b, rounded once.
+#[inline(always)]
+fn fused(a: Lanes, s: f64, b: Lanes) -> Lanes {
+    [
+        a[0].mul_add(s, b[0]),
+        a[1].mul_add(s, b[1]),
+        a[2].mul_add(s, b[2]),
+        a[3].mul_add(s, b[3]),
+    ]
 }
 
 #[inline(always)]

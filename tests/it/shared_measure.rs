@@ -16,7 +16,7 @@ use super::lab::built_in;
 use super::shared_memory::{name, state};
 
 /// Median and 99th percentile \[µs\].
-fn quantiles(mut times: Vec<Duration>) -> (f64, f64) {
+pub fn quantiles(mut times: Vec<Duration>) -> (f64, f64) {
     times.sort();
     let at = |share: f64| times[((times.len() - 1) as f64 * share) as usize].as_secs_f64() * 1e6;
     (at(0.5), at(0.99))
