@@ -91,7 +91,8 @@ impl Features {
     }
 }
 
-/// Features of the sheet that can come closer to an obstacle than a reach: all that [`detect`] must look at.
+/// Features of the sheet that can come closer to an obstacle than a reach, and nearer there than anywhere on their
+/// rim: all that [`detect`] must look at.
 #[derive(Clone, Debug, Default)]
 pub struct Nearby {
     /// Vertices near, and all ends of the edges and corners of the faces below.
@@ -110,17 +111,33 @@ impl Nearby {
         &self.vertices
     }
 
-    /// Collects the features that may be closer to `body` than `reach`; distance has Lipschitz constant 1.
-    pub fn find(mesh: &Mesh, positions: &[Vector3<f64>], body: &Obstacle, reach: f64) -> Self {
+    /// Collects the features that may be closer to `body` than `reach` before anything has moved by `margin` against
+    /// it; distance has Lipschitz constant 1. Over a flat side it is linear, and nearest at vertices.
+    pub fn find(
+        mesh: &Mesh,
+        positions: &[Vector3<f64>],
+        body: &Obstacle,
+        reach: f64,
+        margin: f64,
+    ) -> Self {
+        let reach = reach + margin;
         let local = body.all_to_local(positions.iter());
-        let value = |p: &Vector3<f64>| body.shape.first_order(p).0;
-        let values: Vec<f64> = local.iter().map(value).collect();
+        let firsts: Vec<First> = local.iter().map(|p| body.shape.first_order(p)).collect();
+        let values: Vec<f64> = firsts.iter().map(|first| first.0).collect();
+        let straight = |p| body.shape.straight(p) > margin;
+        let straight: Vec<bool> = local.iter().map(straight).collect();
+        let over_one_side = |nodes: &[u32]| {
+            let normal = firsts[nodes[0] as usize].1;
+            let mut nodes = nodes.iter().map(|&v| v as usize);
+            nodes.all(|v| straight[v] && firsts[v].1 == normal)
+        };
         let mut near: Vec<bool> = values.iter().map(|&value| value < reach).collect();
         let position = |v: u32| local[v as usize];
         let is_near = |e: &u32| {
             let [a, b] = mesh.edges[*e as usize];
             let length = (position(b) - position(a)).norm();
-            0.5 * (values[a as usize] + values[b as usize] - length) < reach
+            !over_one_side(&[a, b])
+                && 0.5 * (values[a as usize] + values[b as usize] - length) < reach
         };
         let edges: Vec<u32> = (0..mesh.edges.len() as u32).filter(is_near).collect();
         let is_near = |f: &u32| {
@@ -129,8 +146,9 @@ impl Nearby {
             let radius = [a, b, c].map(|v| (position(v) - centre).norm());
             let radius = radius[0].max(radius[1]).max(radius[2]);
             let lowest = [a, b, c].map(|v| values[v as usize]);
-            lowest[0].min(lowest[1]).min(lowest[2]) - 2.0 * radius < reach
-                && value(&centre) - radius < reach
+            !over_one_side(&[a, b, c])
+                && lowest[0].min(lowest[1]).min(lowest[2]) - 2.0 * radius < reach
+                && body.shape.first_order(&centre).0 - radius < reach
         };
         let faces: Vec<u32> = (0..mesh.faces.len() as u32).filter(is_near).collect();
         for &e in &edges {

@@ -62,6 +62,30 @@ impl Shape {
         (d.value, d.normal)
     }
 
+    /// How far a point may move before the normal there can turn \[m\]; not positive where it turns with any motion.
+    pub(super) fn straight(&self, p: &Vector3<f64>) -> f64 {
+        // From a side at distance `ahead`, where the next one is at `beside`, outside or inside of the shape.
+        let within = |ahead: f64, beside: f64, depth: f64| {
+            let leave = (-beside).min(0.5 * (ahead - beside));
+            leave.min(depth)
+        };
+        match *self {
+            Self::Plane => f64::INFINITY,
+            Self::Box { size } => {
+                let mut sides = p.abs() - Vector3::from(size) * 0.5;
+                let axis = sides.imax();
+                let ahead = std::mem::replace(&mut sides[axis], f64::NEG_INFINITY);
+                within(ahead, sides.max(), p[axis].abs())
+            }
+            Self::Disc { radius } => within(p.z.abs(), p.x.hypot(p.y) - radius, p.z.abs()),
+            Self::Cylinder { radius, length } => {
+                let cap = p.z.abs() - 0.5 * length;
+                within(cap, p.x.hypot(p.y) - radius, p.z.abs())
+            }
+            Self::Sphere { .. } | Self::Capsule { .. } => 0.0,
+        }
+    }
+
     /// Depth below the surface of the point or axis about which the shape is round \[m\]; zero where it is sharp.
     pub(super) fn core(&self) -> f64 {
         match *self {

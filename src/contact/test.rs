@@ -166,7 +166,7 @@ fn detection_covers_the_whole_surface() {
                 .map(|p| turn * p.push(0.0) + shift + chance.vector(2e-3))
                 .collect();
             let mut found = vec![];
-            let nearby = Nearby::find(&mesh, &positions, &body, REACH);
+            let nearby = Nearby::find(&mesh, &positions, &body, REACH, 0.0);
             detect(
                 &mesh,
                 &features,
@@ -254,7 +254,7 @@ fn a_corner_under_a_face_is_found() {
         &Features::new(&mesh),
         &positions,
         (0, &body),
-        &Nearby::find(&mesh, &positions, &body, 1e-4),
+        &Nearby::find(&mesh, &positions, &body, 1e-4, 0.0),
         1e-4,
         &mut found,
     );

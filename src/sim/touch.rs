@@ -52,7 +52,7 @@ impl Touch {
             let near = match nearby {
                 Some(nearby) => &nearby[i],
                 None => {
-                    whole = Nearby::find(&model.mesh, positions, body, law.offset);
+                    whole = Nearby::find(&model.mesh, positions, body, law.offset, 0.0);
                     &whole
                 }
             };
@@ -102,7 +102,7 @@ impl Touch {
         let nearby = only.map(|at| {
             let mut nearby = vec![Nearby::default(); state.obstacles.len()];
             let body = &state.obstacles[at];
-            nearby[at] = Nearby::find(&model.mesh, &state.positions, body, law.offset);
+            nearby[at] = Nearby::find(&model.mesh, &state.positions, body, law.offset, 0.0);
             nearby
         });
         touch.find(model, law, &state.positions, nearby.as_deref());

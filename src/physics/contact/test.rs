@@ -143,7 +143,7 @@ fn derivatives_hold_for_every_shape_and_feature() {
                 &features,
                 &x,
                 (0, &bodies[0]),
-                &Nearby::find(&mesh, &x, &bodies[0], LAW.offset),
+                &Nearby::find(&mesh, &x, &bodies[0], LAW.offset, 0.0),
                 LAW.offset,
                 &mut proximities,
             );

@@ -288,8 +288,8 @@ impl Explicit {
         self.allowance -= (fastest + quickest) * dt;
         if self.allowance < 0.0 {
             self.refresh_all(nodes);
-            let (mesh, reach) = (&model.mesh, law.offset + MARGIN);
-            let find = |body| Nearby::find(mesh, &self.positions, body, reach);
+            let mesh = &model.mesh;
+            let find = |body| Nearby::find(mesh, &self.positions, body, law.offset, MARGIN);
             self.nearby = state.obstacles.iter().map(find).collect();
             self.allowance = MARGIN;
         }

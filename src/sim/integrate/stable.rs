@@ -71,8 +71,9 @@ pub fn layers(model: &Model, state: &State, span: f64) -> usize {
     let fastest = speeds.fold(0.0, f64::max).sqrt();
     let mut counts = vec![0; state.positions.len()];
     for body in &state.obstacles {
-        let reach = law.offset + MARGIN + (fastest + quickest(body, &state.positions)) * span;
-        for &v in Nearby::find(&model.mesh, &state.positions, body, reach).vertices() {
+        let margin = MARGIN + (fastest + quickest(body, &state.positions)) * span;
+        let near = Nearby::find(&model.mesh, &state.positions, body, law.offset, margin);
+        for &v in near.vertices() {
             counts[v as usize] += 1;
         }
     }
