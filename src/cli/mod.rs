@@ -24,6 +24,8 @@ mod run;
 mod scene;
 #[cfg(feature = "iceoryx2")]
 mod send;
+#[cfg(feature = "iceoryx2")]
+mod shared;
 mod show;
 mod signals;
 mod source;

@@ -192,7 +192,7 @@ impl Transport for OnRos2 {
         timeout: Duration,
     ) -> Result<Option<Vec<u8>>, CliError> {
         let answer = self.0.send(inlet, message, timeout);
-        Ok(Some(answer.map_err(NodeError::from)?))
+        Ok(answer.map_err(NodeError::from)?)
     }
 
     fn watch(

@@ -9,6 +9,8 @@ use clap::Args;
 use super::progress::Bar;
 #[cfg(feature = "ros2")]
 use super::ros2::{self, Ros2Args};
+#[cfg(feature = "iceoryx2")]
+use super::shared;
 use super::{CliError, commands, output, signals, source, summary};
 #[cfg(feature = "ros2")]
 use crate::node::ros2::Supervisor;
@@ -128,17 +130,16 @@ impl RunArgs {
             other => other.into(),
         })?;
         if self.json {
-            #[allow(unused_mut)]
-            let mut json = summary::json(&job.scene, &job.warnings, &summary);
+            let json = summary::json(&job.scene, &job.warnings, &summary);
             #[cfg(feature = "iceoryx2")]
-            if let Some(counts) = shared {
-                json["shared_memory"] = shared_memory(&counts);
-            }
+            let json = shared::with_counts(json, shared.as_deref());
             #[cfg(feature = "ros2")]
             let json = ros2::with_bridge(json, bridge.as_ref());
             return output::print_json(&json);
         }
         let text = summary::text(&job.scene, &summary);
+        #[cfg(feature = "iceoryx2")]
+        shared::warn(shared.as_deref());
         #[cfg(feature = "ros2")]
         let text = ros2::text_with_bridge(text, bridge.as_ref());
         output::print(&text)
@@ -205,23 +206,4 @@ impl RunArgs {
         }
         Ok(overrides)
     }
-}
-
-/// What went through shared memory, for the JSON summary; what went wrong there as a warning.
-#[cfg(feature = "iceoryx2")]
-fn shared_memory(counts: &Counts) -> serde_json::Value {
-    let [published, dropped, received, refused] = counts.all();
-    if dropped > 0 {
-        let reason = counts.failure().unwrap_or_else(|| "no memory".to_string());
-        eprintln!("warning: {dropped} messages were not published over shared memory: {reason}");
-    }
-    if refused > 0 {
-        eprintln!("warning: {refused} of {received} requests over shared memory were refused");
-    }
-    serde_json::json!({
-        "published": published,
-        "dropped": dropped,
-        "received": received,
-        "refused": refused,
-    })
 }

@@ -71,8 +71,8 @@ fn told(run: &Summary) -> Vec<(&'static str, String)> {
     let mut rows = vec![];
     if *orders != Orders::default() {
         let counts = format!(
-            "{} applied, {} rejected, {} malformed, {} dropped",
-            orders.applied, orders.rejected, orders.malformed, orders.dropped
+            "{} applied, {} rejected, {} malformed, {} dropped, {} too late",
+            orders.applied, orders.rejected, orders.malformed, orders.dropped, orders.late
         );
         rows.push(("commands", counts));
     }

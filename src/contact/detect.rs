@@ -105,6 +105,11 @@ pub struct Nearby {
 }
 
 impl Nearby {
+    /// The vertices that may be near, and all ends of the edges and corners of the faces that may be.
+    pub fn vertices(&self) -> &[u32] {
+        &self.vertices
+    }
+
     /// Collects the features that may be closer to `body` than `reach`; distance has Lipschitz constant 1.
     pub fn find(mesh: &Mesh, positions: &[Vector3<f64>], body: &Obstacle, reach: f64) -> Self {
         let local = body.all_to_local(positions.iter());
@@ -194,25 +199,19 @@ pub fn detect(
             add(key(0, v), face, weights, 1.0, &local[i]);
         }
     }
-    // Minima of the edges, kept for the faces that they bound.
-    let minima: Vec<Option<(f64, First)>> = nearby
-        .edge_slots
-        .iter()
-        .map(|slots| {
-            let [a, b] = slots.map(|i| i as usize);
-            within_edge(
-                &body.shape,
-                [local[a], local[b]],
-                [&values[a], &values[b]],
-                reach,
-            )
-        })
-        .collect();
-    let edges = nearby.edges.iter().zip(&nearby.edge_slots).zip(&minima);
-    for ((&e, slots), minimum) in edges {
-        let Some((t, first)) = minimum.filter(|(_, first)| first.0 < reach) else {
+    // Minima of the edges, by edge, kept for the faces that they bound.
+    let edges = nearby.edges.iter().zip(&nearby.edge_slots);
+    let within = |(&e, slots): (&u32, &[u32; 2])| {
+        let [a, b] = slots.map(|i| i as usize);
+        let (ends, values) = ([local[a], local[b]], [&values[a], &values[b]]);
+        let minimum = within_edge(&body.shape, ends, values, reach)?;
+        Some((e, *slots, minimum))
+    };
+    let minima: Vec<(u32, [u32; 2], (f64, First))> = edges.filter_map(within).collect();
+    for &(e, slots, (t, first)) in &minima {
+        if first.0 >= reach {
             continue;
-        };
+        }
         let ends = slots.map(|i| local[i as usize]);
         let (face, corner) = features.edge[e as usize];
         let mut weights = [0.0; 3];
@@ -235,7 +234,7 @@ pub fn detect(
         let values = slots.map(|i| &values[i as usize]);
         let rim = |k: usize| {
             let e = mesh.face_edges[f as usize][k];
-            let (t, first) = minima[nearby.edges.binary_search(&e).ok()?]?;
+            let (_, _, (t, first)) = minima[minima.binary_search_by_key(&e, |m| m.0).ok()?];
             let forward = mesh.edges[e as usize][0] == mesh.faces[f as usize][(k + 1) % 3];
             Some((if forward { t } else { 1.0 - t }, first))
         };

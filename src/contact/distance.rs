@@ -62,6 +62,14 @@ impl Shape {
         (d.value, d.normal)
     }
 
+    /// Depth below the surface of the point or axis about which the shape is round \[m\]; zero where it is sharp.
+    pub(super) fn core(&self) -> f64 {
+        match *self {
+            Self::Sphere { radius } | Self::Capsule { radius, .. } => radius,
+            Self::Plane | Self::Box { .. } | Self::Disc { .. } | Self::Cylinder { .. } => 0.0,
+        }
+    }
+
     /// Distance from a point in the shape's frame. All shapes are convex, so the value is a convex function.
     #[inline(always)]
     pub fn distance(&self, p: &Vector3<f64>) -> Distance {
@@ -121,7 +129,7 @@ fn cuboid(p: &Vector3<f64>, half: &Vector3<f64>) -> Distance {
     let sign = p.map(|c| if c < 0.0 { -1.0 } else { 1.0 });
     let q = p.abs() - half;
     let outside = q.map(|c| c.max(0.0));
-    if outside.norm_squared() > 0.0 {
+    if outside.norm_squared() > TINY * TINY {
         let active = q.map(|c| f64::from(c > 0.0));
         return round(
             &outside.component_mul(&sign),

@@ -21,33 +21,42 @@ const FLAT: f64 = 1e-9;
 
 /// Minimum of the distance strictly inside an edge, at a fraction of the way; `None` also where it is surely out
 /// of reach.
+#[inline]
 pub(super) fn within_edge(
     shape: &Shape,
     ends: [Vector3<f64>; 2],
     values: [&First; 2],
     reach: f64,
 ) -> Option<(f64, First)> {
+    let slopes = downhill_from_both(ends, values)?;
     // A convex function lies above its tangents.
-    let bound = |k: usize| values[k].0 + (values[k].1.dot(&(ends[1 - k] - ends[k]))).min(0.0);
-    if bound(0) > reach || bound(1) > reach {
+    if values[0].0 + slopes[0] > reach || values[1].0 - slopes[1] > reach {
         return None;
     }
-    minimum_on_line(shape, ends, values)
+    Some(minimum_on_line(shape, ends, values, slopes))
 }
 
-/// Minimum of the distance strictly between two points, at a fraction of the way: Newton kept inside a bracket.
+/// Derivatives of the distance along the way from the first point, at both, if it has a minimum strictly between.
+#[inline]
+fn downhill_from_both(ends: [Vector3<f64>; 2], values: [&First; 2]) -> Option<[f64; 2]> {
+    let along = ends[1] - ends[0];
+    let slopes = values.map(|first| first.1.dot(&along));
+    (slopes[0] < 0.0 && slopes[1] > 0.0).then_some(slopes)
+}
+
+/// Minimum of the distance strictly between two points where it falls from both, at a fraction of the way: Newton
+/// kept inside a bracket.
 fn minimum_on_line(
     shape: &Shape,
     ends: [Vector3<f64>; 2],
     values: [&First; 2],
-) -> Option<(f64, First)> {
+    slopes: [f64; 2],
+) -> (f64, First) {
     let along = ends[1] - ends[0];
-    let slopes = values.map(|first| first.1.dot(&along));
-    if slopes[0] >= 0.0 || slopes[1] <= 0.0 {
-        return None;
-    }
     let (mut low, mut high) = (0.0, 1.0);
-    let mut t = slopes[0] / (slopes[0] - slopes[1]);
+    // Where the tangents cross: near a sharp edge of the shape that is above it.
+    let rise = values[1].0 - values[0].0;
+    let mut t = ((rise - slopes[1]) / (slopes[0] - slopes[1])).clamp(0.0, 1.0);
     let mut distance = shape.distance(&(ends[0] + along * t));
     for _ in 0..ITERATIONS {
         let slope = distance.normal.dot(&along);
@@ -59,12 +68,15 @@ fn minimum_on_line(
         if slope.abs() <= FLAT * along.norm() || high - low <= FLAT {
             break;
         }
-        let newton = t - slope / along.dot(&(distance.curvature * along));
+        // On the square of the distance to what the shape is round about: it is quadratic beside a sharp edge too.
+        let radius = shape.core() + distance.value;
+        let bend = along.dot(&(distance.curvature * along));
+        let newton = t - radius * slope / (slope * slope + radius * bend);
         let inside = newton > low && newton < high;
         t = if inside { newton } else { 0.5 * (low + high) };
         distance = shape.distance(&(ends[0] + along * t));
     }
-    Some((t, (distance.value, distance.normal)))
+    (t, (distance.value, distance.normal))
 }
 
 /// Minimum of the distance strictly inside a face, as barycentric weights and its lead over the rim, if it is
@@ -75,6 +87,7 @@ fn minimum_on_line(
 ///
 /// `rim` gives the minimum of the side opposite to a corner, where known: the fraction of the way from the next
 /// corner, distance and normal there.
+#[inline]
 pub(super) fn within_face(
     shape: &Shape,
     corners: &[Vector3<f64>; 3],
@@ -82,6 +95,10 @@ pub(super) fn within_face(
     rim: impl Fn(usize) -> Option<(f64, First)>,
     reach: f64,
 ) -> Option<([f64; 3], f64)> {
+    if values[0].1 == values[1].1 && values[1].1 == values[2].1 {
+        // The same slope at all corners of a convex function: it is linear between them.
+        return None;
+    }
     for k in 0..3 {
         let (value, normal) = values[k];
         let rise = |other: usize| normal.dot(&(corners[other] - corners[k]));
@@ -118,11 +135,11 @@ fn minimum_inside(shape: &Shape, corners: &[Vector3<f64>; 3]) -> ([f64; 3], f64)
     let on_line = |s: f64| {
         let foot = a + (b - a) * s;
         let at_foot = shape.first_order(&foot);
-        minimum_on_line(shape, [foot, c], [&at_foot, &at_c]).unwrap_or(if at_foot.0 < at_c.0 {
-            (0.0, at_foot)
-        } else {
-            (1.0, at_c)
-        })
+        match downhill_from_both([foot, c], [&at_foot, &at_c]) {
+            Some(slopes) => minimum_on_line(shape, [foot, c], [&at_foot, &at_c], slopes),
+            None if at_foot.0 < at_c.0 => (0.0, at_foot),
+            None => (1.0, at_c),
+        }
     };
     // Golden section on the values: the derivative says nothing where a line has its minimum at c.
     let (mut low, mut high) = (0.0, 1.0);

@@ -90,6 +90,7 @@ impl<'a> Drive<'a> {
         }
         self.publish_once();
         self.orders.dropped = self.inbox.dropped();
+        self.orders.late = self.inbox.close();
         self.interrupt()?;
         end
     }

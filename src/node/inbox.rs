@@ -1,9 +1,9 @@
 //! What the world asks of a run: orders wait in a bounded queue until the loop takes them at a step boundary.
 
 use std::collections::VecDeque;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use crate::wire::inbound::Inlet;
@@ -22,12 +22,18 @@ pub struct Order {
     pub reply: Option<Sender<Vec<u8>>>,
 }
 
-/// The queue was full: the order is lost, and counted.
+/// Why an order is not taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the run has {capacity} orders waiting already; this one is dropped")]
-pub struct Full {
-    /// Orders that may wait.
-    pub capacity: usize,
+pub enum Unposted {
+    /// The queue is full: the order is lost, and counted.
+    #[error("the run has {capacity} orders waiting already; this one is dropped")]
+    Full {
+        /// Orders that may wait.
+        capacity: usize,
+    },
+    /// The run is over.
+    #[error("the run is over")]
+    Over,
 }
 
 /// The sending end; clones feed the same queue.
@@ -35,21 +41,27 @@ pub struct Full {
 pub struct Mailbox {
     sender: SyncSender<Order>,
     dropped: Arc<AtomicU64>,
+    /// Whether the run is over. Held while posting, so that every order is in the queue before that or not at all.
+    over: Arc<Mutex<bool>>,
     capacity: usize,
 }
 
 impl Mailbox {
-    /// Leaves an order and never waits. After the run's end orders go nowhere, without an error.
-    pub fn post(&self, order: Order) -> Result<(), Full> {
+    /// Leaves an order and never waits for the run.
+    pub fn post(&self, order: Order) -> Result<(), Unposted> {
         use std::sync::mpsc::TrySendError;
+        let over = self.over.lock().unwrap_or_else(PoisonError::into_inner);
+        if *over {
+            return Err(Unposted::Over);
+        }
         match self.sender.try_send(order) {
+            Ok(()) => Ok(()),
+            Err(TrySendError::Disconnected(_)) => Err(Unposted::Over),
             Err(TrySendError::Full(_)) => {
                 self.dropped.fetch_add(1, Ordering::Relaxed);
-                Err(Full {
-                    capacity: self.capacity,
-                })
+                let capacity = self.capacity;
+                Err(Unposted::Full { capacity })
             }
-            Ok(()) | Err(TrySendError::Disconnected(_)) => Ok(()),
         }
     }
 }
@@ -61,6 +73,7 @@ pub struct Inbox {
     script: VecDeque<(u64, Order)>,
     receiver: Receiver<Order>,
     dropped: Arc<AtomicU64>,
+    over: Arc<Mutex<bool>>,
 }
 
 impl Inbox {
@@ -69,14 +82,17 @@ impl Inbox {
         let capacity = capacity.max(1);
         let (sender, receiver) = sync_channel(capacity);
         let dropped = Arc::new(AtomicU64::new(0));
+        let over = Arc::new(Mutex::new(false));
         let inbox = Inbox {
             script: VecDeque::new(),
             receiver,
             dropped: Arc::clone(&dropped),
+            over: Arc::clone(&over),
         };
         let mailbox = Mailbox {
             sender,
             dropped,
+            over,
             capacity,
         };
         (mailbox, inbox)
@@ -112,6 +128,12 @@ impl Inbox {
             Err(RecvTimeoutError::Timeout) => Waited::Nothing,
             Err(RecvTimeoutError::Disconnected) => Waited::Nobody,
         }
+    }
+
+    /// Takes no more orders, and returns how many were waiting.
+    pub(super) fn close(&mut self) -> u64 {
+        *self.over.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        self.receiver.try_iter().count() as u64
     }
 
     /// Orders that were dropped because the queue was full.

@@ -45,7 +45,7 @@ pub use clock::Lateness;
 pub use compare::TOLERANCE;
 pub use difference::{Difference, What};
 pub use error::NodeError;
-pub use inbox::{Full, Inbox, Mailbox, Order};
+pub use inbox::{Inbox, Mailbox, Order, Unposted};
 pub use inventory::{Inventory, Topic};
 pub use live::{Gauge, Live, LiveTally};
 pub use mcap_file::McapFile;

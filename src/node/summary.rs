@@ -34,6 +34,8 @@ pub struct Orders {
     pub malformed: u64,
     /// Lost because too many were waiting.
     pub dropped: u64,
+    /// Waiting when the run was over.
+    pub late: u64,
 }
 
 /// What a run came to.

@@ -18,6 +18,9 @@ use crate::scene::ranges::FLUID_DAMPING;
 /// Most obstacles at a time: each costs a look at the sheet in every step.
 const MOST_OBSTACLES: usize = 256;
 
+/// Most names in a message.
+const MOST_NAMES: usize = 12;
+
 /// Change of the air's force, in weights of the sheet, from which on it cuts the past off. Less is part of a flow
 /// that is sent in small steps.
 const GUST: f64 = 0.1;
@@ -100,7 +103,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Changes one obstacle: the one at `at` before, the one that `change` names after. Work and the jump of the force go into ledger and scheme history.
+    /// Changes one obstacle: the one at `at` before, the one that `change` names after. Work and the jump of the
+    /// force go into ledger and scheme history.
     fn change(
         &mut self,
         at: Option<usize>,
@@ -164,11 +168,14 @@ impl Simulation {
     fn known(&self, name: &str) -> Result<usize, Rejected> {
         let obstacles = &self.state.obstacles;
         self.state.find_obstacle(name).ok_or_else(|| {
-            let names: Vec<_> = obstacles.iter().map(|o| o.name.as_str()).collect();
-            let known = match names.is_empty() {
-                true => "none".to_string(),
-                false => names.join(", "),
-            };
+            let names = obstacles.iter().map(|o| o.name.as_str());
+            let mut known: Vec<_> = names.take(MOST_NAMES).collect();
+            match obstacles.len() {
+                0 => known.push("none"),
+                count if count > MOST_NAMES => known.push("..."),
+                _ => {}
+            }
+            let known = known.join(", ");
             let name = name.to_string();
             Rejected::UnknownObstacle { name, known }
         })

@@ -57,8 +57,8 @@ impl Simulation {
         let engine = match Rule::of(&scene.method) {
             Some(rule) => Engine::Implicit(rule, Box::new(Implicit::new(&model, threads))),
             None => {
-                let explicit = Box::new(Explicit::new(&model, &state.nodes()));
-                let substep = substep(&model, explicit.limit())?;
+                let mut explicit = Box::new(Explicit::new(&model, &state.nodes()));
+                let substep = substep(&model, explicit.limit(&model))?;
                 Engine::Explicit(explicit, substep)
             }
         };
@@ -92,7 +92,7 @@ impl Simulation {
         &self.report
     }
 
-    /// Substep of the explicit scheme \[s\], if that is the method.
+    /// Substep of the explicit scheme \[s\], if that is the method; shorter where several obstacles meet.
     pub fn substep(&self) -> Option<f64> {
         match self.engine {
             Engine::Explicit(_, substep) => Some(substep),

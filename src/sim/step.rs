@@ -168,6 +168,7 @@ pub fn explicit_step(
     state: &mut State,
     report: &mut StepReport,
 ) -> Result<Touch, Diverged> {
+    let substep = explicit.substep(model, state, substep, report.dt);
     let parts = (report.dt / substep).ceil().max(1.0) as u64;
     let dt = report.dt / parts as f64;
     let before = state.step;

@@ -49,7 +49,7 @@ impl Qos {
 /// When a channel speaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rate {
-    /// Once, before the first state.
+    /// Once, before the first state; what the obstacles look like again when that changes.
     Once,
     /// At the scene's `output.rate`.
     Output,

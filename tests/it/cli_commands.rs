@@ -131,6 +131,14 @@ fn messages_are_composed_from_their_fields() {
     );
 }
 
+/// Waits until the first state of a run is there.
+#[cfg(feature = "iceoryx2")]
+fn wait_for_run(dir: &TempDir, name: &str) {
+    let watch = ["watch", "state", "--count", "1", "--timeout", "60"];
+    let output = toile(dir.path(), &[&watch[..], &["--name", name]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+}
+
 /// Commands of a live session over shared memory: the recording replays.
 #[cfg(feature = "iceoryx2")]
 #[test]
@@ -153,9 +161,7 @@ fn a_session_with_live_commands_replays() {
         );
         assert_eq!(output.status.code(), Some(0), "{args:?}: {}", err(&output));
     };
-    let watch = ["watch", "state", "--count", "1", "--name", &name];
-    let output = toile(dir.path(), &[&watch[..], &["--timeout", "60"]].concat());
-    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    wait_for_run(&dir, &name);
     send(&["step", "5"]);
     send(&["obstacle", "move", "table", "--velocity", "0,0,0.1"]);
     send(&["step", "4"]);
@@ -200,10 +206,8 @@ fn a_signal_ends_a_paused_run_with_its_recording_closed() {
     ];
     let mut child = crate::cli::command(dir.path(), &[&DRAPE[..], &run].concat());
     let child = child.stdout(std::process::Stdio::piped()).spawn().unwrap();
-    let said = toile(
-        dir.path(),
-        &["send", "state", "--name", &name, "--timeout", "60"],
-    );
+    wait_for_run(&dir, &name);
+    let said = toile(dir.path(), &["send", "state", "--name", &name]);
     assert!(crate::cli::out(&said).contains("paused"), "{}", err(&said));
     crate::cli::kill(child.id(), signal_hook::consts::SIGTERM);
     let output = child.wait_with_output().unwrap();

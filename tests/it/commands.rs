@@ -367,3 +367,32 @@ fn what_a_scene_does_not_accept_is_rejected() {
         assert_eq!(simulation.apply(&plate()), expected, "{name} {set:?}");
     }
 }
+
+/// Two obstacles at one place make contact twice as stiff, which a heavy sheet's explicit substep has to respect; as
+/// soon as one is gone it does not.
+#[test]
+fn stability_where_obstacles_meet() {
+    let set = ["fabric.areal_density=20.0", "sheet.triangles=60"];
+    let mut simulation = simulation(&sheet(Scheme::CentralDifference, &set));
+    add(&mut simulation, plate("one", -2.45e-4, 0.3));
+    let substeps = |simulation: &mut Simulation| {
+        run(simulation, 0.01);
+        let report = simulation.report();
+        assert!(
+            report.largest_strain < 0.01,
+            "strain {}",
+            report.largest_strain
+        );
+        report.work.substeps
+    };
+    let one = substeps(&mut simulation);
+    add(&mut simulation, plate("two", -2.45e-4, 0.3));
+    let two = substeps(&mut simulation);
+    remove(&mut simulation, "one");
+    let again = substeps(&mut simulation);
+    println!("{one} substeps on one plate, {two} on two");
+    assert!(
+        two as f64 > 1.2 * one as f64 && again == one,
+        "{one} {two} {again}"
+    );
+}

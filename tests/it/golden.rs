@@ -3,11 +3,16 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use tempfile::TempDir;
 use toile::node::{About, Pace, Recording, ReplayOptions, replay, verify};
 use toile::scene::parse;
 use toile::sim::Simulation;
+use toile::wire::cdr;
+use toile::wire::channels::APPLIED;
+use toile::wire::messages::toile_msgs::AppliedCommand;
 
 use crate::cli::{err, toile};
+use crate::tamper::changed;
 use crate::tidy::read;
 
 const FOLDER: &str = "recordings/golden";
@@ -83,6 +88,41 @@ fn golden_recordings_are_repeated() {
             assert_eq!(replay.commands, expected);
         }
     }
+}
+
+/// The last byte that says something in the first command that was taken: a size, a direction, a mode.
+fn flip_a_byte_of_a_command() -> impl FnMut(&str, &mut Vec<u8>) {
+    let mut done = false;
+    move |topic, bytes| {
+        if done || topic != APPLIED.topic {
+            return;
+        }
+        let mut applied: AppliedCommand = cdr::decode(bytes).unwrap();
+        if applied.accepted {
+            let byte = applied.payload.iter_mut().rfind(|byte| **byte != 0);
+            *byte.unwrap() ^= 1;
+            *bytes = cdr::encode(&applied).unwrap();
+            done = true;
+        }
+    }
+}
+
+#[test]
+fn a_flipped_byte_in_a_command_is_found_in_each() {
+    let folder = TempDir::new().unwrap();
+    let mut with_commands = 0;
+    for name in golden() {
+        if Recording::open(&path(&name)).unwrap().commands().is_empty() {
+            continue;
+        }
+        with_commands += 1;
+        let tampered = folder.path().join("tampered.mcap");
+        let bytes = changed(&path(&name), flip_a_byte_of_a_command(), &[]);
+        fs::write(&tampered, bytes).unwrap();
+        let replay = replay(&tampered, &ReplayOptions::default(), &mut |_| {}).unwrap();
+        assert!(replay.difference.is_some(), "{name}");
+    }
+    assert!(with_commands >= 4);
 }
 
 const ADVICE: &str = "if the physics was changed on purpose, see recordings/golden/README.md";

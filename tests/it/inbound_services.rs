@@ -16,6 +16,7 @@ use toile::wire::messages::simulation_interfaces::{
 use toile::wire::{Message, cdr};
 
 use crate::inbound::{AHEAD, LEFT, ask, commands, refusal, wire_pose};
+use crate::tidy::read;
 
 /// The answer to an outcome on an inlet.
 fn answer<M: Message>(inlet: &str, outcome: Outcome) -> M {
@@ -312,4 +313,14 @@ fn every_inlet_is_in_the_table_once_and_answers_if_it_is_a_service() {
         }
     }
     assert_eq!(inbound::ALL.len(), 14);
+}
+
+#[test]
+fn the_readme_describes_every_inlet() {
+    let readme = read("README.md");
+    for inlet in inbound::ALL {
+        let kind = inlet.service.map_or(inlet.request.name, |s| s.name);
+        let row = format!("| `{}` | `{kind}` |", inlet.name);
+        assert!(readme.contains(&row), "README.md has no row {row}");
+    }
 }

@@ -16,6 +16,7 @@ mod encoding;
 mod energy;
 mod equilibrium;
 mod friction;
+mod golden;
 mod inbound;
 mod inbound_objects;
 mod inbound_property;
@@ -54,6 +55,7 @@ mod shared_measure;
 mod shared_memory;
 #[cfg(feature = "iceoryx2")]
 mod shared_processes;
+mod tamper;
 mod tidy;
 mod type_hashes;
 mod verify;

@@ -148,9 +148,8 @@ impl Vandal {
         let draft = self.draft(k);
         let begun = Instant::now();
         while self.open.len() >= OPEN {
-            self.open
-                .retain(|pending| pending.receive().unwrap().is_none());
-            assert!(begun.elapsed() < PATIENCE, "no answer");
+            self.look_for_answers();
+            assert!(begun.elapsed() < PATIENCE, "no answer to {k}");
         }
         let careless = k % 16 == 3;
         let port = if careless { &self.careless } else { &self.port };
@@ -166,11 +165,19 @@ impl Vandal {
         }
     }
 
+    fn look_for_answers(&mut self) {
+        self.open
+            .retain(|pending| pending.receive().unwrap().is_none());
+        if self.open.len() >= OPEN {
+            // The run needs the processor more.
+            std::thread::sleep(Duration::from_micros(100));
+        }
+    }
+
     fn wait_for_answers(&mut self) {
         let begun = Instant::now();
         while !self.open.is_empty() {
-            self.open
-                .retain(|pending| pending.receive().unwrap().is_none());
+            self.look_for_answers();
             assert!(begun.elapsed() < PATIENCE, "no answer");
         }
     }
@@ -206,7 +213,6 @@ fn summary(child: Child) -> Value {
 }
 
 #[test]
-#[ignore = "a caller in a thousand loses an answer on a busy machine; under study"]
 fn a_hundred_thousand_hostile_messages_change_nothing_and_are_all_counted() {
     let (run, folder) = (name(), TempDir::new().unwrap());
     let quiet = toile(folder.path(), &[&SCENE[..], &["-o", "a.mcap"]].concat());
@@ -254,7 +260,7 @@ fn a_hundred_thousand_hostile_messages_change_nothing_and_are_all_counted() {
     assert_eq!(disturbed["steps"], quiet["steps"]);
     assert_eq!(disturbed["digest"], quiet["digest"], "the same bits");
     let count = |group: &str, name: &str| disturbed[group][name].as_u64().unwrap();
-    let orders = ["applied", "rejected", "malformed"].map(|name| count("commands", name));
+    let orders = ["applied", "rejected", "malformed", "late"].map(|name| count("commands", name));
     let (received, refused) = (
         count("shared_memory", "received"),
         count("shared_memory", "refused"),

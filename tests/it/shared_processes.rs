@@ -298,6 +298,26 @@ fn a_second_run_of_a_name_is_refused() {
 }
 
 #[test]
+fn a_folder_that_iceoryx2_cannot_use_is_named() {
+    let folder = TempDir::new().unwrap();
+    fs::create_dir(folder.path().join("config")).unwrap();
+    let (file, config) = ("taken", "config/iceoryx2.toml");
+    fs::write(folder.path().join(file), "").unwrap();
+    let root = folder.path().join(file);
+    let text = format!("[global]\nroot-path = \"{}\"\n", root.display());
+    fs::write(folder.path().join(config), text).unwrap();
+    let mut command = toile(folder.path(), &["run", "free-fall", "--shm"]);
+    let output = command.stderr(Stdio::piped()).output().unwrap();
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{error}");
+    let named = format!("error: shared memory: {} is not to be used", root.display());
+    assert!(
+        error.starts_with(&named) && error.lines().count() == 1,
+        "{error}"
+    );
+}
+
+#[test]
 fn readers_that_stand_still_or_die_hold_nobody_up() {
     let (name, folder) = (name(), TempDir::new().unwrap());
     let mut run = SharedMemory::open(name.clone(), nobody()).unwrap();

@@ -13,6 +13,8 @@ use crate::wire::{MessageType, cdr};
 
 /// How often it is looked whether somebody is there.
 const LOOK: Duration = Duration::from_millis(10);
+/// The bridge learns of a new reader a moment later than the reader of it.
+const SETTLE: Duration = Duration::from_millis(300);
 
 /// A node of its own beside the bridge's, on the same domain.
 pub struct Peer {
@@ -31,39 +33,45 @@ impl Peer {
     }
 
     /// Sends an encoded message to an inlet as soon as a bridge is there and waits for what becomes of it: the
-    /// answer of a service, an AppliedCommand for a topic, both in CDR.
+    /// answer of a service, an AppliedCommand for a topic, both in CDR. None if a command has arrived and it was
+    /// not heard what became of it.
     pub fn send(
         &mut self,
         inlet: &Inlet,
         message: &[u8],
         timeout: Duration,
-    ) -> Result<Vec<u8>, Ros2Error> {
+    ) -> Result<Option<Vec<u8>>, Ros2Error> {
         let until = Instant::now() + timeout;
-        let answer = match inlet.response {
+        let sent = match inlet.response {
             None => self.publish(inlet, message, until)?,
-            Some(response) => self.call(inlet, response, message, until)?,
+            Some(response) => self.call(inlet, response, message, until)?.map(Some),
         };
-        answer.ok_or_else(|| Ros2Error::Nobody {
+        sent.ok_or_else(|| Ros2Error::Nobody {
             domain: self.settings.domain,
             name: self.settings.resolve(inlet.name),
             seconds: timeout.as_secs_f64(),
         })
     }
 
-    /// Publishes a command once; the run says to all what became of it, which is found by its bytes.
+    /// Publishes a command once; the run says to all what became of it, which is found by its bytes. None if the
+    /// command has not arrived.
     fn publish(
         &mut self,
         inlet: &Inlet,
         message: &[u8],
         until: Instant,
-    ) -> Result<Option<Vec<u8>>, Ros2Error> {
+    ) -> Result<Option<Option<Vec<u8>>>, Ros2Error> {
         let name = topic(&self.settings.resolve(inlet.name));
         let kind = type_name(inlet.request.name);
         let mut applied = self.reader(&channels::APPLIED, channels::APPLIED.topic)?;
         let mut writer = self.participant.writer(&name, &kind, Qos::Reliable)?;
         self.participant.announce()?;
         let there = || writer.subscriptions() > 0 && applied.publishers() > 0;
-        if !wait(until, there) || !writer.write(message) {
+        if !wait(until, there) {
+            return Ok(None);
+        }
+        std::thread::sleep(SETTLE);
+        if !writer.write(message) || !writer.acknowledged(left(until)) {
             return Ok(None);
         }
         let mut told = None;
@@ -75,7 +83,7 @@ impl Peer {
             }
             told.is_some()
         });
-        Ok(told)
+        Ok(Some(told))
     }
 
     fn call(
@@ -115,6 +123,10 @@ impl Peer {
 fn speaks_of(applied: &[u8], inlet: &Inlet, message: &[u8]) -> bool {
     let applied = cdr::decode::<AppliedCommand>(applied);
     applied.is_ok_and(|applied| applied.channel == inlet.name && applied.payload == message)
+}
+
+fn left(until: Instant) -> Duration {
+    until.saturating_duration_since(Instant::now())
 }
 
 fn wait(until: Instant, mut there: impl FnMut() -> bool) -> bool {

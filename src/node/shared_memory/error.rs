@@ -1,5 +1,8 @@
 //! What can go wrong between processes.
 
+use std::io;
+use std::path::PathBuf;
+
 use super::Refusal;
 
 /// Shared memory that does not do what was asked.
@@ -29,6 +32,17 @@ pub enum SharedMemoryError {
     NoRun {
         /// The name.
         name: String,
+    },
+    /// The folder in which iceoryx2 keeps its files cannot be used: it belongs to another user, or is none.
+    #[error(
+        "shared memory: {} is not to be used: {source}; set global.root-path and global.prefix in iceoryx2.toml",
+        folder.display()
+    )]
+    Folder {
+        /// The folder.
+        folder: PathBuf,
+        /// What the system says.
+        source: io::Error,
     },
     /// The system or iceoryx2 refuses.
     #[error("shared memory: cannot {action} {service}: {reason}")]

@@ -1,10 +1,13 @@
 //! One process's connection to iceoryx2, and how the services of a run are made and opened.
 
 use std::fmt::Debug;
+use std::fs;
+use std::path::PathBuf;
 use std::sync::Once;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use iceoryx2::node::NodeCreationFailure;
 use iceoryx2::prelude::MessagingPattern::{Event, PublishSubscribe, RequestResponse};
 use iceoryx2::prelude::*;
 use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenError;
@@ -59,7 +62,7 @@ impl Link {
             .config(&config)
             .signal_handling_mode(SignalHandlingMode::Disabled)
             .create::<Ipc>()
-            .map_err(SharedMemoryError::transport("join", "iceoryx2"))?;
+            .map_err(|error| refusal(&config, error))?;
         Ok(Self { node, run })
     }
 
@@ -187,6 +190,15 @@ impl Link {
             .response_user_header::<ReplyHeader>()
             .open();
         found(&name, opened)
+    }
+}
+
+/// Why iceoryx2 cannot be joined; most often, since another user was here first.
+fn refusal(config: &Config, error: NodeCreationFailure) -> SharedMemoryError {
+    let folder = PathBuf::from(config.global.root_path().to_string());
+    match fs::read_dir(&folder) {
+        Err(source) if folder.exists() => SharedMemoryError::Folder { folder, source },
+        _ => SharedMemoryError::transport("join", "iceoryx2")(error),
     }
 }
 

@@ -16,7 +16,7 @@ use super::header::{ABI, CallHeader, Refusal, ReplyHeader};
 use super::link::Ipc;
 use super::publisher::{Counts, Ports};
 use super::{MOST_BYTES, SharedMemoryError};
-use crate::node::{Mailbox, Order};
+use crate::node::{Mailbox, Order, Unposted};
 use crate::wire::cdr;
 use crate::wire::inbound::{self, InletKind};
 use crate::wire::messages::toile_msgs::AppliedCommand;
@@ -41,7 +41,10 @@ impl Desk for Mailbox {
             bytes: call.bytes,
             reply: Some(call.reply),
         };
-        self.post(order).map_err(|_| Refusal::Busy)
+        self.post(order).map_err(|unposted| match unposted {
+            Unposted::Full { .. } => Refusal::Busy,
+            Unposted::Over => Refusal::NoAnswer,
+        })
     }
 }
 
@@ -92,6 +95,7 @@ impl Server {
             desk,
             ports,
             open: vec![],
+            busy: false,
         };
         let flag = Arc::clone(&stop);
         let thread = std::thread::Builder::new()
@@ -165,6 +169,8 @@ struct Office {
     desk: Box<dyn Desk>,
     ports: Arc<Ports>,
     open: Vec<Open>,
+    /// Whether requests came in the last round.
+    busy: bool,
 }
 
 /// A request that waits for its answer.
@@ -177,17 +183,21 @@ struct Open {
 }
 
 impl Office {
-    /// Waits a moment, takes what has come, passes answers on.
+    /// Waits a moment if nothing has come lately, takes what has come, passes answers on.
     fn round(&mut self) {
-        let pause = if self.open.is_empty() { IDLE } else { WAITING };
-        if self.bell.timed_wait(|_| {}, pause).is_err() {
-            sleep(pause);
+        if !self.busy {
+            let pause = if self.open.is_empty() { IDLE } else { WAITING };
+            if self.bell.timed_wait(|_| {}, pause).is_err() {
+                sleep(pause);
+            }
         }
+        self.busy = false;
         for _ in 0..BATCH {
             // An error means that every caller with requests has as many open as it may have.
             let Ok(Some(request)) = self.port.receive() else {
                 break;
             };
+            self.busy = true;
             self.accept(request);
         }
         self.open.retain(|open| !open.settled());

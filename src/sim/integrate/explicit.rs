@@ -10,8 +10,10 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::impulse::{self, brake};
-use super::stable::{largest_frequency, rotary_inertia, slope_stiffness};
-use crate::contact::{Nearby, Obstacle};
+use super::stable::{
+    Limits, MARGIN, largest_frequency, layers, quickest, rotary_inertia, slope_stiffness,
+};
+use crate::contact::Nearby;
 use crate::math::sparse::NO_SLOT;
 use crate::physics::contact::ContactLaw;
 use crate::physics::drag::Drag;
@@ -28,8 +30,6 @@ pub const SAFETY: f64 = 0.95;
 const INERTIA_MARGIN: f64 = 4.0;
 /// Largest slope inertia, over m h²: what it adds to a wave of length w is of relative size (h/w)² of this.
 const MOST_INERTIA: f64 = 1e-3;
-/// How far the sheet may move against an obstacle before the features near it are collected anew \[m\].
-const MARGIN: f64 = 1e-3;
 
 /// The explicit integrator: constants and work space.
 pub struct Explicit {
@@ -40,11 +40,12 @@ pub struct Explicit {
     drag: Vec<f64>,
     /// m g \[N\], shape \[nodes\].
     weight: Vec<Lanes>,
-    /// Largest stable substep \[s\].
-    limit: f64,
+    limits: Limits,
     nearby: Vec<Nearby>,
     /// Relative motion that `nearby` still allows \[m\].
     allowance: f64,
+    /// Positions \[m\], up to date at the vertices of `nearby`, shape \[vertices\].
+    positions: Vec<Vector3<f64>>,
     touch: Touch,
 }
 
@@ -54,12 +55,11 @@ impl Explicit {
         let kernel = Kernel::new(model);
         let vertices = model.masses.len();
         let mut inertia = model.masses.clone();
-        let stiffest = largest_frequency(model, nodes, &inertia);
+        let stiffest = largest_frequency(model, nodes, &inertia, 1);
         inertia.extend(slope_stiffness(model).iter().enumerate().map(|(e, k)| {
             let enough = INERTIA_MARGIN * k / stiffest.powi(2);
             enough.min(MOST_INERTIA * rotary_inertia(model, e))
         }));
-        let limit = 2.0 / largest_frequency(model, nodes, &inertia);
         let inverse = |(node, inertia): (usize, &f64)| {
             let index = model.dofs.index[node];
             let lane = |axis: usize| {
@@ -82,16 +82,25 @@ impl Explicit {
             inverse_mass: inertia.iter().enumerate().map(inverse).collect(),
             drag,
             weight,
-            limit,
+            limits: Limits::new(nodes, inertia),
             nearby: vec![],
             allowance: 0.0,
+            positions: nodes[..vertices].to_vec(),
             touch: Touch::default(),
         }
     }
 
-    /// Largest stable substep \[s\].
-    pub fn limit(&self) -> f64 {
-        self.limit
+    /// Largest stable substep where the sheet touches one obstacle at a place \[s\].
+    pub fn limit(&mut self, model: &Model) -> f64 {
+        self.limits.under(model, 1)
+    }
+
+    /// The substep for a step of `span` from `state` \[s\]: the wanted one, or less where obstacles meet.
+    pub fn substep(&mut self, model: &Model, state: &State, wanted: f64, span: f64) -> f64 {
+        match layers(model, state, span) {
+            1 => wanted,
+            layers => wanted.min(SAFETY * self.limits.under(model, layers)),
+        }
     }
 
     /// Takes `count` substeps of `dt` and returns the contacts at the end.
@@ -190,7 +199,14 @@ impl Explicit {
         for (v, push) in touch.pushes(model, law, &state.positions) {
             forces[v as usize] = add(forces[v as usize], lanes(&push));
         }
-        self.kick(model, &mut rates, &forces, dt);
+        match Breeze::of(model, state) {
+            None => {
+                self.kick(model, &mut rates, &forces, dt);
+            }
+            Some(breeze) => {
+                self.kick_in_air(&breeze.at(0.0), &nodes, &mut rates, &forces, dt);
+            }
+        }
         let masses = &self.inverse_mass;
         impulse::loads(model, law, touch, masses, &nodes, &mut rates, dt)
     }
@@ -198,22 +214,21 @@ impl Explicit {
     /// Takes the rates from one half step to the next. Returns what damping took out \[J\].
     fn kick(&self, model: &Model, rates: &mut [Lanes], forces: &[Lanes], dt: f64) -> f64 {
         let half = 0.5 * dt;
-        let nodes = rates
-            .iter_mut()
-            .zip(forces)
-            .zip(self.inverse_mass.iter().zip(&self.drag));
-        for ((rate, force), (inverse, drag)) in nodes {
-            let push: Lanes = std::array::from_fn(|k| force[k] * inverse[k] * dt);
+        let nodes = rates.iter_mut().zip(forces).zip(&self.inverse_mass);
+        let push = |force: &Lanes, inverse: &Lanes| -> Lanes {
+            std::array::from_fn(|k| force[k] * inverse[k] * dt)
+        };
+        if model.scene.damping == 0.0 {
+            nodes.for_each(|((rate, force), inverse)| *rate = add(*rate, push(force, inverse)));
+            return 0.0;
+        }
+        for (((rate, force), inverse), drag) in nodes.zip(&self.drag) {
             let kept = scale(*rate, 1.0 - drag * half);
-            *rate = scale(add(kept, push), 1.0 / (1.0 + drag * half));
+            *rate = scale(add(kept, push(force, inverse)), 1.0 / (1.0 + drag * half));
         }
         let drag = &model.damping.coefficients;
         let power = |(c, v): (&f64, &Lanes)| c * dot(*v, *v);
-        if model.scene.damping == 0.0 {
-            0.0
-        } else {
-            drag.iter().zip(&*rates).map(power).sum::<f64>() * dt
-        }
+        drag.iter().zip(&*rates).map(power).sum::<f64>() * dt
     }
 
     /// The same with air on the faces, whose force is linear in the velocity, too: with R the sum of the faces'
@@ -262,24 +277,39 @@ impl Explicit {
         forces: &mut [Lanes],
     ) {
         let Some(law) = &model.contact else { return };
-        let positions: Vec<Vector3<f64>> = nodes[..model.masses.len()].iter().map(vector).collect();
         let start = state.obstacles.clone();
         state.obstacles.iter_mut().for_each(|o| o.advance(dt));
-        let quickest = quickest(&start, &positions);
+        let turns = start.iter().any(|body| body.velocity.angular.norm() > 0.0);
+        if turns {
+            self.refresh_all(nodes);
+        }
+        let speeds = start.iter().map(|body| quickest(body, &self.positions));
+        let quickest = speeds.fold(0.0, f64::max);
         self.allowance -= (fastest + quickest) * dt;
         if self.allowance < 0.0 {
-            let find = |body| Nearby::find(&model.mesh, &positions, body, law.offset + MARGIN);
+            self.refresh_all(nodes);
+            let (mesh, reach) = (&model.mesh, law.offset + MARGIN);
+            let find = |body| Nearby::find(mesh, &self.positions, body, reach);
             self.nearby = state.obstacles.iter().map(find).collect();
             self.allowance = MARGIN;
         }
+        for &v in self.nearby.iter().flat_map(Nearby::vertices) {
+            self.positions[v as usize] = vector(&nodes[v as usize]);
+        }
         self.touch.obstacles.clone_from(&state.obstacles);
-        self.touch.find(model, law, &positions, Some(&self.nearby));
-        for (v, push) in self.touch.pushes(model, law, &positions) {
+        let positions = &self.positions;
+        self.touch.find(model, law, positions, Some(&self.nearby));
+        for (v, push) in self.touch.pushes(model, law, positions) {
             forces[v as usize] = add(forces[v as usize], lanes(&push));
         }
         if quickest > 0.0 {
-            state.ledger.supports += self.touch.work_of_obstacles(model, &start, &positions);
+            state.ledger.supports += self.touch.work_of_obstacles(model, &start, positions);
         }
+    }
+
+    fn refresh_all(&mut self, nodes: &[Lanes]) {
+        let places = self.positions.iter_mut().zip(nodes);
+        places.for_each(|(place, node)| *place = vector(node));
     }
 }
 
@@ -296,18 +326,4 @@ fn drift(nodes: &mut [Lanes], rates: &[Lanes], dt: f64, vertices: usize) -> f64 
         }
     }
     fastest.sqrt()
-}
-
-/// Bound on the speed of the obstacles wherever they can meet the sheet \[m/s\].
-fn quickest(obstacles: &[Obstacle], positions: &[Vector3<f64>]) -> f64 {
-    let speed = |body: &Obstacle| {
-        let (linear, turn) = (body.velocity.linear.norm(), body.velocity.angular.norm());
-        if turn == 0.0 {
-            return linear;
-        }
-        let origin = body.pose.translation.vector;
-        let away = positions.iter().map(|p| (p - origin).norm_squared());
-        linear + turn * away.fold(0.0, f64::max).sqrt()
-    };
-    obstacles.iter().map(speed).fold(0.0, f64::max)
 }

@@ -1,12 +1,18 @@
 //! The stable limit of the explicit scheme: 2/omega_max (Courant, Friedrichs, Lewy) by power iteration on the
 //! actual mesh.
 
+use std::collections::BTreeMap;
+
 use nalgebra::Vector3;
 
+use crate::contact::{Nearby, Obstacle};
 use crate::physics::Potential;
 use crate::sim::assembly::pick;
 use crate::sim::model::Model;
+use crate::sim::state::State;
 
+/// How far the sheet may move against an obstacle before the features near it are collected anew \[m\].
+pub const MARGIN: f64 = 1e-3;
 /// Power iterations; the limit is then good to about 1 %.
 const POWER_ITERATIONS: usize = 200;
 
@@ -31,11 +37,69 @@ pub fn slope_stiffness(model: &Model) -> Vec<f64> {
     sums
 }
 
-/// omega_max \[rad/s\] of M^-1 K at `nodes`, for as many nodes as have an inertia, with contact at every vertex if
-/// the model has any.
-pub fn largest_frequency(model: &Model, nodes: &[Vector3<f64>], inertia: &[f64]) -> f64 {
+/// Stable limits by how many obstacles touch the sheet at one place; each is worked out when it is first needed.
+pub struct Limits {
+    start: Vec<Vector3<f64>>,
+    inertia: Vec<f64>,
+    known: BTreeMap<usize, f64>,
+}
+
+impl Limits {
+    /// For a sheet that is about as stiff as at `start` (positions, then slopes), with the inertia of each node.
+    pub fn new(start: &[Vector3<f64>], inertia: Vec<f64>) -> Self {
+        Self {
+            start: start.to_vec(),
+            inertia,
+            known: BTreeMap::new(),
+        }
+    }
+
+    /// Largest stable substep with contacts of `layers` obstacles on every vertex, if the model has contact \[s\].
+    pub fn under(&mut self, model: &Model, layers: usize) -> f64 {
+        let work_out = || 2.0 / largest_frequency(model, &self.start, &self.inertia, layers);
+        *self.known.entry(layers).or_insert_with(work_out)
+    }
+}
+
+/// Most obstacles that some vertex can touch, with the edges and faces around it, before `span` seconds are over;
+/// at least one. Stacked contacts are stiffer than one.
+pub fn layers(model: &Model, state: &State, span: f64) -> usize {
+    let (Some(law), true) = (&model.contact, state.obstacles.len() > 1) else {
+        return 1;
+    };
+    let speeds = state.velocities.iter().map(|v| v.norm_squared());
+    let fastest = speeds.fold(0.0, f64::max).sqrt();
+    let mut counts = vec![0; state.positions.len()];
+    for body in &state.obstacles {
+        let reach = law.offset + MARGIN + (fastest + quickest(body, &state.positions)) * span;
+        for &v in Nearby::find(&model.mesh, &state.positions, body, reach).vertices() {
+            counts[v as usize] += 1;
+        }
+    }
+    counts.into_iter().max().unwrap_or(0).max(1)
+}
+
+/// Bound on the speed of an obstacle wherever it can meet the sheet \[m/s\].
+pub fn quickest(body: &Obstacle, positions: &[Vector3<f64>]) -> f64 {
+    let (linear, turn) = (body.velocity.linear.norm(), body.velocity.angular.norm());
+    if turn == 0.0 {
+        return linear;
+    }
+    let origin = body.pose.translation.vector;
+    let away = positions.iter().map(|p| (p - origin).norm_squared());
+    linear + turn * away.fold(0.0, f64::max).sqrt()
+}
+
+/// omega_max \[rad/s\] of M^-1 K at `nodes`, for as many nodes as have an inertia, with `layers` contacts at every
+/// vertex if the model has any.
+pub fn largest_frequency(
+    model: &Model,
+    nodes: &[Vector3<f64>],
+    inertia: &[f64],
+    layers: usize,
+) -> f64 {
     let vertices = model.masses.len();
-    let contact = model.contact.map_or(0.0, |law| law.stiffness);
+    let contact = model.contact.map_or(0.0, |law| law.stiffness) * layers as f64;
     let mut mode = vec![Vector3::zeros(); nodes.len()];
     for (n, x) in mode[..inertia.len()].iter_mut().enumerate() {
         // Any vector that no mode is orthogonal to will do; this one has all wavelengths.

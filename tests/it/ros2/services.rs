@@ -120,7 +120,10 @@ fn the_verbs_of_simulators_work_as_services() {
     let request = cdr::encode(
         &toile::wire::messages::simulation_interfaces::GetSimulationStateRequest::default(),
     );
-    let answer = peer.send(inlet, &request.unwrap(), PATIENCE).unwrap();
+    let answer = peer
+        .send(inlet, &request.unwrap(), PATIENCE)
+        .unwrap()
+        .unwrap();
     let answer: GetSimulationStateResponse = cdr::decode(&answer).unwrap();
     assert_eq!(answer.state.state, SimulationState::STATE_PAUSED);
     let (summary, _) = rig.stop();
@@ -151,7 +154,7 @@ fn services_in_the_mapping_of_cyclone_answer_a_foreign_client() {
     let mut peer = Peer::join(settings).unwrap();
     let inlet = inbound::find("/toile/step_simulation").unwrap();
     let request = cdr::encode(&StepSimulationRequest { steps: 3 }).unwrap();
-    let answer = peer.send(inlet, &request, PATIENCE).unwrap();
+    let answer = peer.send(inlet, &request, PATIENCE).unwrap().unwrap();
     let answer: StepSimulationResponse = cdr::decode(&answer).unwrap();
     assert_eq!(answer.result.result, OK);
     let (summary, _) = rig.stop();
