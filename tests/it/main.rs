@@ -24,6 +24,7 @@ mod inbound_services;
 mod keyframe;
 mod lab;
 mod lab_cli;
+mod lab_defects;
 mod lab_drape;
 mod lab_measure;
 mod lab_modes;
