@@ -2,10 +2,13 @@
 //!
 //! - [`picture`]: a sheet with its obstacles, shaded, in one frame or a strip of frames.
 //! - [`diagram`]: the report of a laboratory instrument.
+//! - [`drape`]: the audit of the paper's drape tables.
 //! - [`work_precision`]: error against CPU time of every scheme and step, failures included.
 
 mod course;
 pub mod diagram;
+pub mod drape;
+mod drape_plot;
 mod lettering;
 pub mod picture;
 mod picture_camera;

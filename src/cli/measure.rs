@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
-use super::{CliError, output, specimen};
+use super::drapes::{self, DrapeArgs};
+use super::{CliError, audit, output, specimen};
 use crate::chart;
 use crate::instrument::{Direction, Instrument, MeasureError, Reading, Report, Settings};
 
@@ -15,8 +16,8 @@ pub(super) struct MeasureArgs {
     /// The instrument.
     instrument: Word,
     /// Fabric of the catalogue, F1 to F12, or a TOML file with a [fabric] table.
-    #[arg(long, value_name = "F")]
-    fabric: String,
+    #[arg(long, value_name = "F", required_unless_present = "all")]
+    fabric: Option<String>,
     /// Cut of the specimen; `shear` takes all three.
     #[arg(long, value_name = "CUT", default_value = "warp")]
     direction: Cut,
@@ -51,9 +52,11 @@ pub(super) struct MeasureArgs {
     /// Meshes to average over.
     #[arg(long, value_name = "N", default_value_t = 3)]
     meshes: u64,
-    /// Draws the report as SVG.
+    /// Draws the report as SVG; with --all, the directory of the audit.
     #[arg(short, long, value_name = "REPORT.svg")]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    drape: DrapeArgs,
     /// A JSON object instead of the table, SI units throughout.
     #[arg(long)]
     json: bool,
@@ -65,6 +68,7 @@ enum Word {
     Poisson,
     Shear,
     Cantilever,
+    Drapemeter,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -76,7 +80,11 @@ enum Cut {
 
 impl MeasureArgs {
     pub(super) fn run(&self) -> Result<(), CliError> {
-        let fabric = specimen::fabric(&self.fabric, &self.set)?;
+        if self.drape.all {
+            return self.audit();
+        }
+        let name = self.fabric.as_deref().unwrap_or_default();
+        let fabric = specimen::fabric(name, &self.set)?;
         let settings = Settings {
             direction: match self.direction {
                 Cut::Warp => Direction::Warp,
@@ -89,6 +97,7 @@ impl MeasureArgs {
             width: self.width,
             edge: self.edge,
             meshes: self.meshes,
+            drape: self.drape.settings(),
             ..Settings::default()
         };
         let instrument = match self.instrument {
@@ -96,6 +105,7 @@ impl MeasureArgs {
             Word::Poisson => Instrument::Poisson,
             Word::Shear => Instrument::Shear,
             Word::Cantilever => Instrument::Cantilever,
+            Word::Drapemeter => Instrument::Drapemeter,
         };
         let report = instrument.measure(&fabric, &settings).map_err(failed)?;
         for warning in &report.warnings {
@@ -108,6 +118,21 @@ impl MeasureArgs {
         self.output
             .as_deref()
             .map_or(Ok(()), |path| draw(&report, path))
+    }
+
+    /// The drapemeter on all fabrics of the catalogue.
+    fn audit(&self) -> Result<(), CliError> {
+        let input = |said: &str| CliError::Input(said.to_string());
+        match (self.instrument, &self.output) {
+            (Word::Drapemeter, Some(dir)) if self.fabric.is_none() => {
+                audit::run(dir, &self.set, &self.drape)
+            }
+            (Word::Drapemeter, Some(_)) => {
+                Err(input("--all takes every fabric; leave out --fabric"))
+            }
+            (Word::Drapemeter, None) => Err(input("--all needs -o DIR, where the audit goes")),
+            _ => Err(input("--all is for the drapemeter")),
+        }
     }
 }
 
@@ -139,13 +164,16 @@ fn draw(report: &Report, path: &Path) -> Result<(), CliError> {
 fn head(report: &Report) -> String {
     let name = report.instrument.name();
     match report.instrument {
-        Instrument::Shear => format!("{name}: {}", report.fabric),
+        Instrument::Shear | Instrument::Drapemeter => format!("{name}: {}", report.fabric),
         _ => format!("{name}: {}, {}", report.fabric, report.direction.name()),
     }
 }
 
 fn specimen_line(report: &Report) -> String {
     let [length, width] = report.specimen.map(|size| output::trimmed(1e3 * size));
+    if report.instrument == Instrument::Drapemeter {
+        return format!("disc of {length} mm on a plate of {width} mm");
+    }
     format!("{length} x {width} mm")
 }
 
@@ -153,7 +181,7 @@ fn mesh_line(report: &Report) -> String {
     format!(
         "{} triangles, edges of {} mm, {} meshes, residual {:.1e} of the weight",
         output::thousands(report.triangles),
-        output::trimmed(1e3 * report.edge),
+        output::significant(1e3 * report.edge, 3),
         report.meshes,
         report.residual
     )
@@ -171,9 +199,10 @@ fn text(report: &Report) -> String {
         rows.push(std::iter::once(name).chain(cells(reading)).collect());
     }
     format!(
-        "{}\n{}  specimen {}, {}\n  {}\n",
+        "{}\n{}{}  specimen {}, {}\n  {}\n",
         head(report),
         output::table(&rows),
+        drapes::text(&report.drapes),
         specimen_line(report),
         report.set_up,
         mesh_line(report)
@@ -186,6 +215,9 @@ fn cells(reading: &Reading) -> [String; 5] {
     let (factor, unit) = match reading.unit {
         "Pa" => (1e-6, " MPa"),
         "m" => (1e3, " mm"),
+        "%" => (1.0, " %"),
+        "Hz" => (1.0, " Hz"),
+        "J" => (1e3, " mJ"),
         "N·m" => (1e6, " µN·m"),
         "N/m" => (1.0, " N/m"),
         _ => (1.0, ""),

@@ -3,10 +3,12 @@
 //! One file a verb, each with clap arguments and a `run`. Exit codes: 0 done, 1 the run failed or differed,
 //! 2 bad usage or input. Results go to standard output, everything else to standard error; an error is one line.
 
+mod audit;
 #[cfg(feature = "ros2")]
 mod bridge;
 mod chart;
 mod commands;
+mod drapes;
 mod error;
 mod identify;
 mod info;

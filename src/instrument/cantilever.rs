@@ -116,6 +116,7 @@ pub fn measure(fabric: &FabricSpec, settings: &Settings) -> Result<Report, Measu
             ),
         ],
         warnings: warnings(&resolved, settings, &cut),
+        drapes: vec![],
         diagram: diagram(&hung[0], &strip, settings),
     })
 }

@@ -4,6 +4,7 @@
 //! constants say by closed form and, where the mesh matters, its change against a coarser one, and with the residual at which the state was taken for one of rest.
 
 mod cantilever;
+pub mod drapemeter;
 mod error;
 mod poisson;
 mod report;
@@ -17,6 +18,7 @@ use serde::Serialize;
 use crate::fabric::identify::STANDARD_ANGLE;
 use crate::scene::FabricSpec;
 
+pub use drapemeter::{Drape, DrapeSettings, Hold};
 pub use error::MeasureError;
 pub use report::{Curve, Diagram, Mark, Reading, Report};
 
@@ -32,15 +34,18 @@ pub enum Instrument {
     Shear,
     /// Overhang, bending length and flexural rigidity.
     Cantilever,
+    /// Drape coefficient and folds of a disc over a plate.
+    Drapemeter,
 }
 
 impl Instrument {
     /// All of them.
-    pub const ALL: [Instrument; 4] = [
+    pub const ALL: [Instrument; 5] = [
         Instrument::Tensile,
         Instrument::Poisson,
         Instrument::Shear,
         Instrument::Cantilever,
+        Instrument::Drapemeter,
     ];
 
     /// The word on the command line.
@@ -50,6 +55,7 @@ impl Instrument {
             Instrument::Poisson => "poisson",
             Instrument::Shear => "shear",
             Instrument::Cantilever => "cantilever",
+            Instrument::Drapemeter => "drapemeter",
         }
     }
 
@@ -64,6 +70,7 @@ impl Instrument {
             Instrument::Poisson => poisson::measure(fabric, settings),
             Instrument::Shear => shear::measure(fabric, settings),
             Instrument::Cantilever => cantilever::measure(fabric, settings),
+            Instrument::Drapemeter => drapemeter::measure(fabric, settings),
         }
     }
 }
@@ -119,6 +126,8 @@ pub struct Settings {
     pub edge: Option<f64>,
     /// Meshes over which readings are averaged.
     pub meshes: u64,
+    /// For the drapemeter, which ignores the rest.
+    pub drape: DrapeSettings,
 }
 
 impl Default for Settings {
@@ -132,6 +141,7 @@ impl Default for Settings {
             width: None,
             edge: None,
             meshes: 3,
+            drape: DrapeSettings::default(),
         }
     }
 }

@@ -60,6 +60,7 @@ pub fn measure(fabric: &FabricSpec, settings: &Settings) -> Result<Report, Measu
             ),
         ],
         warnings,
+        drapes: vec![],
         diagram: Diagram {
             x: "nominal strain along the pull [%]",
             y: "contraction across it [%]",

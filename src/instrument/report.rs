@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Direction, Instrument};
+use super::{Direction, Drape, Instrument};
 
 /// A reading: the mean over several meshes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -120,6 +120,9 @@ pub struct Report {
     pub readings: Vec<Reading>,
     /// Remarks on what limits them.
     pub warnings: Vec<String>,
+    /// States of the drapemeter, one a seed.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub drapes: Vec<Drape>,
     /// For the picture.
     pub diagram: Diagram,
 }

@@ -50,6 +50,7 @@ pub fn measure(fabric: &FabricSpec, settings: &Settings) -> Result<Report, Measu
             Reading::new("bias modulus at no strain", "Pa", &bias, None),
         ],
         warnings: vec![],
+        drapes: vec![],
         diagram: diagram(&strip, settings)?,
     })
 }

@@ -80,7 +80,8 @@ impl Rest {
             // Another mesh: the flat start will do.
             let _ = simulation.resume(state);
         }
-        simulation.settle(REST)?;
+        let tolerance = REST.max(rounding(&simulation));
+        simulation.settle(tolerance)?;
         let forces = internal_forces(&simulation);
         Ok(Self { simulation, forces })
     }
@@ -133,6 +134,17 @@ impl Rest {
             .sum::<f64>()
             / model.weight
     }
+}
+
+/// The residual below which rounding leaves nothing to gain \[-\]: membrane forces are differences of positions times
+/// a stiffness that is large against the weight, more so for a fine mesh.
+fn rounding(simulation: &Simulation) -> f64 {
+    let model = simulation.model();
+    let stiffness = model.fabric.membrane();
+    let stiffness = stiffness.c11.max(stiffness.c22);
+    let size = 2.0 * model.scene.sheet.outline.half_extent().norm();
+    let each = f64::EPSILON * stiffness * size / model.weight;
+    each * model.masses.len() as f64
 }
 
 /// Derivative of the membrane and bending energy by each node \[N\].

@@ -48,6 +48,7 @@ pub fn measure(fabric: &FabricSpec, settings: &Settings) -> Result<Report, Measu
             Reading::new("secant modulus at the strain", "Pa", &secants, None),
         ],
         warnings: vec![],
+        drapes: vec![],
         diagram: diagram(&strips[0], settings, moduli[0], stresses[0])?,
     })
 }

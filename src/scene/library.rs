@@ -1,7 +1,7 @@
 //! The built-in scenes, embedded so that the binary runs with nothing beside it.
 
 /// Name and text of each, in the order of `toile list scenes`.
-const SCENES: [(&str, &str); 7] = [
+const SCENES: [(&str, &str); 12] = [
     ("drape-table", include_str!("library/drape-table.toml")),
     (
         "drape-table-air",
@@ -11,6 +11,17 @@ const SCENES: [(&str, &str); 7] = [
     ("cantilever", include_str!("library/cantilever.toml")),
     ("four-edges", include_str!("library/four-edges.toml")),
     ("three-edges", include_str!("library/three-edges.toml")),
+    ("held-point", include_str!("library/held-point.toml")),
+    ("falling-sheet", include_str!("library/falling-sheet.toml")),
+    (
+        "drape-table-part",
+        include_str!("library/drape-table-part.toml"),
+    ),
+    ("drapemeter", include_str!("library/drapemeter.toml")),
+    (
+        "drapemeter-resting",
+        include_str!("library/drapemeter-resting.toml"),
+    ),
     ("strip-release", include_str!("library/strip-release.toml")),
 ];
 

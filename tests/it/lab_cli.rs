@@ -146,3 +146,82 @@ fn bad_input_is_one_line() {
         "young_bias = 40000000: must be below",
     );
 }
+
+/// The drapemeter on the command line: every state of the report, and its picture.
+#[test]
+fn a_drape_is_printed_with_its_states() {
+    let dir = TempDir::new().unwrap();
+    let args = [
+        "measure",
+        "drapemeter",
+        "--fabric",
+        "F9",
+        "--triangles",
+        "300",
+        "--seeds",
+        "2",
+        "-o",
+        "shadow.svg",
+    ];
+    let said = succeeds(dir.path(), &args);
+    assert!(said.starts_with("drapemeter: F9\n"), "{said}");
+    assert!(said.contains("drape coefficient, 16 rays (21)"), "{said}");
+    assert!(
+        said.contains("every state is a minimum of the energy"),
+        "{said}"
+    );
+    assert!(
+        said.contains("disc of 250 mm on a plate of 150 mm, clamped between two plates"),
+        "{said}"
+    );
+    let svg = std::fs::read_to_string(dir.path().join("shadow.svg")).unwrap();
+    assert!(svg.contains("shadow, seed"));
+    for (more, part) in [
+        (
+            ["--specimen", "0.14"],
+            "specimen = 0.14: must be at least 0.1575 m",
+        ),
+        (["--friction", "-1"], "friction = -1: must be from 0 to 10"),
+    ] {
+        let args = ["measure", "drapemeter", "--fabric", "F9"];
+        refuses(dir.path(), &[&args[..], &more].concat(), part);
+    }
+    refuses(
+        dir.path(),
+        &["measure", "drapemeter", "--all"],
+        "--all needs -o DIR",
+    );
+    refuses(
+        dir.path(),
+        &["measure", "tensile", "--all", "-o", "x"],
+        "--all is for the drapemeter",
+    );
+}
+
+/// An audit that was broken off goes on where it was, and draws table and chart at the end.
+#[test]
+fn an_audit_goes_on_where_it_was_broken_off() {
+    let dir = TempDir::new().unwrap();
+    let at = dir.path();
+    let args = [
+        "measure",
+        "drapemeter",
+        "--all",
+        "--triangles",
+        "120",
+        "--seeds",
+        "1",
+        "-o",
+        "audit",
+    ];
+    let table = succeeds(at, &args);
+    assert!(table.contains("| F10* | 25 (6) | 28 (6) |"), "{table}");
+    let path = at.join("audit/drapemeter.csv");
+    let whole = std::fs::read_to_string(&path).unwrap();
+    assert_eq!(whole.lines().count(), 1 + 24);
+    let kept: Vec<&str> = whole.lines().take(20).collect();
+    std::fs::write(&path, kept.join("\n") + "\n").unwrap();
+    succeeds(at, &args);
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), whole);
+    assert!(at.join("audit/drapemeter.svg").is_file());
+}

@@ -288,3 +288,25 @@ fn a_coarse_mesh_draws_a_warning() {
     let fine = measure(Instrument::Cantilever, &fabric, Settings::default());
     assert!(fine.warnings.is_empty(), "{:?}", fine.warnings);
 }
+
+/// What the rigidity is low by is the mesh's error: a quarter with edges half as long, and nothing is left in the limit.
+#[test]
+fn order_of_the_rigidity_reading() {
+    let fabric = spec("F1", PoissonCoupling::None);
+    let low = |edge: f64| {
+        let settings = Settings {
+            edge: Some(edge),
+            width: Some(0.01),
+            meshes: 2,
+            ..cut(Direction::Warp)
+        };
+        let report = Instrument::Cantilever.measure(&fabric, &settings).unwrap();
+        let reading = report.reading("flexural rigidity, exact").unwrap();
+        -reading.deviation().unwrap()
+    };
+    let [coarse, fine] = [2.4e-3, 1.2e-3].map(low);
+    let limit = (4.0 * fine - coarse) / 3.0;
+    println!("rigidity low by {coarse:.2e}, {fine:.2e}, in the limit {limit:.1e}");
+    assert!((3.0..5.5).contains(&(coarse / fine)), "{coarse} and {fine}");
+    assert!(limit.abs() < 5e-4, "{limit}");
+}

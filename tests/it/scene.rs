@@ -105,6 +105,11 @@ fn built_in_scenes_are_checked_and_survive_being_written() {
             "cantilever",
             "four-edges",
             "three-edges",
+            "held-point",
+            "falling-sheet",
+            "drape-table-part",
+            "drapemeter",
+            "drapemeter-resting",
             "strip-release"
         ]
     );
