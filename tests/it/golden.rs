@@ -12,6 +12,7 @@ use toile::wire::channels::APPLIED;
 use toile::wire::messages::toile_msgs::AppliedCommand;
 
 use crate::cli::{err, toile};
+use crate::python;
 use crate::tamper::changed;
 use crate::tidy::read;
 
@@ -87,6 +88,17 @@ fn golden_recordings_are_repeated() {
             let expected = commands.filter(|c| c.step >= replay.from).count() as u64;
             assert_eq!(replay.commands, expected);
         }
+    }
+}
+
+#[test]
+fn golden_recordings_are_read_by_programs_of_others() {
+    for name in golden() {
+        let mut peer = python::peer("check_mcap.py", 120);
+        let peer = peer.arg(path(&name)).output().unwrap();
+        let said = String::from_utf8_lossy(&peer.stdout);
+        assert!(peer.status.success(), "{name}: {said}");
+        assert!(said.contains("/toile/state"), "{name}: {said}");
     }
 }
 
