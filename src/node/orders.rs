@@ -28,12 +28,14 @@ impl Drive<'_> {
             Err(malformed) => {
                 self.orders.malformed += 1;
                 let outcome = Outcome::Malformed(malformed);
-                self.conclude(&order, &outcome)?;
+                let answer = self.conclude(&order, &outcome)?;
+                self.answer(&order, answer);
                 return Ok(true);
             }
         };
         if let Some(found) = self.look_up(&request) {
-            reply(&order, || inbound::answer(order.inlet, &found))?;
+            let answer = inbound::answer(order.inlet, &found)?;
+            self.answer(&order, answer);
             return Ok(true);
         }
         let outcome = self.obey(&request);
@@ -54,10 +56,14 @@ impl Drive<'_> {
                     count,
                 });
                 self.note(&order, &outcome)?;
+                self.settle(&request, &outcome)?;
             }
-            _ => self.conclude(&order, &outcome)?,
+            _ => {
+                let answer = self.conclude(&order, &outcome)?;
+                self.settle(&request, &outcome)?;
+                self.answer(&order, answer);
+            }
         }
-        self.settle(&request, &outcome)?;
         let quits = matches!(request, Request::Stop { quit: true });
         Ok(!quits)
     }
@@ -182,13 +188,26 @@ impl Drive<'_> {
         Ok(())
     }
 
-    /// Records what became of an order, and answers it.
-    fn conclude(&mut self, order: &Order, outcome: &Outcome) -> Result<(), NodeError> {
+    /// Records what became of an order; the answer to it.
+    fn conclude(&mut self, order: &Order, outcome: &Outcome) -> Result<Vec<u8>, NodeError> {
         let packet = self.note(order, outcome)?;
-        reply(order, || match order.inlet.kind {
-            inbound::InletKind::Service => inbound::answer(order.inlet, outcome),
-            inbound::InletKind::Topic => Ok(packet.bytes),
+        Ok(match order.inlet.kind {
+            inbound::InletKind::Service => inbound::answer(order.inlet, outcome)?,
+            inbound::InletKind::Topic => packet.bytes,
         })
+    }
+
+    /// Answers an order, if somebody waits for that. While the run stands, what was published before is out by then.
+    fn answer(&mut self, order: &Order, bytes: Vec<u8>) {
+        match &order.reply {
+            Some(reply) if self.mode.stands() => {
+                let answer = Said::Answer(reply.clone(), bytes);
+                self.open &= self.recorder.publish(answer);
+            }
+            // Who no longer waits does not mind.
+            Some(reply) => drop(reply.send(bytes)),
+            None => {}
+        }
     }
 
     /// Records what became of an order.
@@ -205,16 +224,4 @@ impl Drive<'_> {
         }
         Ok(packet)
     }
-}
-
-/// Answers an order, if somebody waits for that.
-fn reply(
-    order: &Order,
-    bytes: impl FnOnce() -> Result<Vec<u8>, wire::cdr::CdrError>,
-) -> Result<(), NodeError> {
-    if let Some(reply) = &order.reply {
-        // Who no longer waits does not mind.
-        let _ = reply.send(bytes()?);
-    }
-    Ok(())
 }

@@ -106,17 +106,14 @@ impl pulp::WithSimd for Pass<'_> {
 #[inline(always)]
 fn stretch(face: &Face, c: &[f64; 4], d1: Lanes, d2: Lanes) -> [Lanes; 2] {
     let [[n1x, n1y], [n2x, n2y]] = face.shape;
-    let r1 = fused(d2, n2x, scale(d1, n1x));
-    let r2 = fused(d2, n2y, scale(d1, n1y));
+    let r1 = plus(d2, n2x, scale(d1, n1x));
+    let r2 = plus(d2, n2y, scale(d1, n1y));
     let half = 0.5 * face.area;
     let (e11, e22) = (half * (dot(r1, r1) - 1.0), half * (dot(r2, r2) - 1.0));
     let s11 = c[0] * e11 + c[2] * e22;
     let s22 = c[1] * e22 + c[2] * e11;
     let s12 = c[3] * face.area * dot(r1, r2);
-    [
-        fused(r2, s12, scale(r1, s11)),
-        fused(r2, s22, scale(r1, s12)),
-    ]
+    [plus(r2, s12, scale(r1, s11)), plus(r2, s22, scale(r1, s12))]
 }
 
 /// Moments 11, 22, 12, times the root of the area, from corners 1 and 2 and the three slopes.
@@ -126,32 +123,32 @@ fn bend(face: &Face, d: &[f64; 4], x: [Lanes; 5]) -> [Lanes; 3] {
     let k22 = curvature(&face.curvature[1], &x);
     let k12 = curvature(&face.curvature[2], &x);
     [
-        fused(k22, d[2], scale(k11, d[0])),
-        fused(k11, d[2], scale(k22, d[1])),
+        plus(k22, d[2], scale(k11, d[0])),
+        plus(k11, d[2], scale(k22, d[1])),
         scale(k12, d[3]),
     ]
 }
 
 #[inline(always)]
 fn curvature(row: &[f64; 5], x: &[Lanes; 5]) -> Lanes {
-    let corners = fused(x[1], row[1], scale(x[0], row[0]));
-    let slopes = fused(x[3], row[3], scale(x[2], row[2]));
-    add(fused(x[4], row[4], corners), slopes)
+    let corners = plus(x[1], row[1], scale(x[0], row[0]));
+    let slopes = plus(x[3], row[3], scale(x[2], row[2]));
+    add(plus(x[4], row[4], corners), slopes)
 }
 
 /// What the membrane does to corner 1 or 2.
 #[inline(always)]
 fn across(face: &Face, stress: &[Lanes; 2], corner: usize) -> Lanes {
     let [along_warp, along_weft] = face.shape[corner];
-    fused(stress[1], along_weft, scale(stress[0], along_warp))
+    plus(stress[1], along_weft, scale(stress[0], along_warp))
 }
 
 /// A force with what the moments do to corner 1 or 2 or to a slope.
 #[inline(always)]
 fn bent(face: &Face, moments: &[Lanes; 3], node: usize, force: Lanes) -> Lanes {
     let [c11, c22, c12] = &face.curvature;
-    let both = fused(moments[1], c22[node], fused(moments[0], c11[node], force));
-    fused(moments[2], c12[node], both)
+    let both = plus(moments[1], c22[node], plus(moments[0], c11[node], force));
+    plus(moments[2], c12[node], both)
 }
 
 /// Three components in four lanes.
@@ -179,15 +176,10 @@ pub fn scale(a: Lanes, s: f64) -> Lanes {
     [a[0] * s, a[1] * s, a[2] * s, a[3] * s]
 }
 
-/// a s + b, rounded once.
+/// a s + b.
 #[inline(always)]
-fn fused(a: Lanes, s: f64, b: Lanes) -> Lanes {
-    [
-        a[0].mul_add(s, b[0]),
-        a[1].mul_add(s, b[1]),
-        a[2].mul_add(s, b[2]),
-        a[3].mul_add(s, b[3]),
-    ]
+fn plus(a: Lanes, s: f64, b: Lanes) -> Lanes {
+    add(scale(a, s), b)
 }
 
 #[inline(always)]
