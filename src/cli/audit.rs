@@ -9,6 +9,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget};
 use super::drapes::{DrapeArgs, HoldWord};
 use super::{CliError, output, specimen};
 use crate::chart::drape::{Row, chart, summary};
+use crate::chart::png_of_svg;
 use crate::fabric::catalogue;
 use crate::instrument::{DrapeSettings, Hold, drapemeter};
 
@@ -63,7 +64,9 @@ pub(super) fn run(dir: &Path, set: &[String], args: &DrapeArgs) -> Result<(), Cl
     let text = summary(&rows);
     output::save(&dir.join("drapemeter-table.md"), &text)?;
     let svg = chart(&rows).map_err(|error| CliError::Input(error.to_string()))?;
+    let png = png_of_svg(&svg, 1.0).map_err(|error| CliError::Input(error.to_string()))?;
     output::save(&dir.join("drapemeter.svg"), svg)?;
+    output::save(&dir.join("drapemeter.png"), png)?;
     output::print(&text)
 }
 
