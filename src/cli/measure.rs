@@ -52,7 +52,7 @@ pub(super) struct MeasureArgs {
     /// Meshes to average over.
     #[arg(long, value_name = "N", default_value_t = 3)]
     meshes: u64,
-    /// Draws the report as SVG; with --all, the directory of the audit.
+    /// Draws the report as SVG, or as PNG by that ending; with --all, the directory of the audit.
     #[arg(short, long, value_name = "REPORT.svg")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -156,7 +156,14 @@ fn draw(report: &Report, path: &Path) -> Result<(), CliError> {
         .collect();
     let svg = chart::report(report, &head(report), &rows)
         .map_err(|error| CliError::Input(error.to_string()))?;
-    output::write(path, svg)?;
+    let as_png = path
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+    let bytes = match as_png {
+        true => chart::png_of_svg(&svg, 1.0).map_err(|error| CliError::Input(error.to_string()))?,
+        false => svg.into_bytes(),
+    };
+    output::write(path, bytes)?;
     eprintln!("wrote {}", path.display());
     Ok(())
 }

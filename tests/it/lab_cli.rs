@@ -176,6 +176,13 @@ fn a_drape_is_printed_with_its_states() {
     );
     let svg = std::fs::read_to_string(dir.path().join("shadow.svg")).unwrap();
     assert!(svg.contains("shadow, seed"));
+    let picture: Vec<&str> = args
+        .iter()
+        .map(|a| if *a == "shadow.svg" { "shadow.png" } else { a })
+        .collect();
+    succeeds(dir.path(), &picture);
+    let png = std::fs::read(dir.path().join("shadow.png")).unwrap();
+    assert_eq!(&png[1..4], b"PNG");
     for (more, part) in [
         (
             ["--specimen", "0.14"],
