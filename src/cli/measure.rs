@@ -239,9 +239,10 @@ fn cells(reading: &Reading) -> [String; 5] {
         true => "below 1e-6".to_string(),
         false => format!("{:+.4} %", 1e2 * part),
     };
+    let spread = |whole: f64| format!("± {}", part(0.5 * whole));
     [
         show(reading.value),
-        format!("± {}", part(0.5 * reading.spread)),
+        reading.spread.map_or(String::new(), spread),
         reading.mesh_change.map_or(String::new(), part),
         reading.expected.map_or(String::new(), show),
         reading.deviation().map_or(String::new(), off),

@@ -13,8 +13,8 @@ pub struct Reading {
     pub unit: &'static str,
     /// Mean over the meshes.
     pub value: f64,
-    /// Largest less smallest over the meshes; 0 from a single one.
-    pub spread: f64,
+    /// Largest less smallest over the meshes; a single one says nothing of it.
+    pub spread: Option<f64>,
     /// Change against a mesh with edges twice as long, where the mesh matters: what is left of its error is less.
     pub mesh_change: Option<f64>,
     /// What the fabric's constants say by closed form, where there is one.
@@ -38,7 +38,7 @@ impl Reading {
             name: name.to_string(),
             unit,
             value: values.iter().sum::<f64>() / values.len() as f64,
-            spread: range.1 - range.0,
+            spread: (values.len() > 1).then_some(range.1 - range.0),
             mesh_change: None,
             expected,
         }

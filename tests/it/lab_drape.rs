@@ -148,7 +148,7 @@ fn a_drape_report_has_every_state() {
         .map(|d| 1e2 * d.coefficient)
         .sum::<f64>()
         / 3.0;
-    assert!((reading.value - mean).abs() < 1e-9 && reading.spread > 0.0);
+    assert!((reading.value - mean).abs() < 1e-9 && reading.spread.unwrap() > 0.0);
     assert!(
         report
             .warnings
