@@ -47,7 +47,7 @@ impl Drive<'_> {
             (Request::Step(count), Outcome::Done) => Some(*count),
             _ => None,
         };
-        match (steps, &order.reply) {
+        let answer = match (steps, &order.reply) {
             (Some(count), Some(reply)) => {
                 self.awaited = Some(Awaited {
                     inlet: order.inlet,
@@ -56,13 +56,13 @@ impl Drive<'_> {
                     count,
                 });
                 self.note(&order, &outcome)?;
-                self.settle(&request, &outcome)?;
+                None
             }
-            _ => {
-                let answer = self.conclude(&order, &outcome)?;
-                self.settle(&request, &outcome)?;
-                self.answer(&order, answer);
-            }
+            _ => Some(self.conclude(&order, &outcome)?),
+        };
+        self.settle(&request, &outcome)?;
+        if let Some(answer) = answer {
+            self.answer(&order, answer);
         }
         let quits = matches!(request, Request::Stop { quit: true });
         Ok(!quits)
