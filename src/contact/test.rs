@@ -268,3 +268,39 @@ fn a_corner_under_a_face_is_found() {
         "{deepest} instead of {exact}"
     );
 }
+
+/// What is collected with a margin serves until something has moved that far: the same points are found, to the bit.
+#[test]
+fn what_is_near_holds_within_its_margin() {
+    const REACH: f64 = 5e-4;
+    const MARGIN: f64 = 1e-3;
+    let (mesh, mut chance) = (coarse(), chance(5));
+    let features = Features::new(&mesh);
+    for shape in shapes() {
+        let mut touched = 0;
+        for _ in 0..60 {
+            let body = placed(shape.clone(), &mut chance);
+            let turn = nalgebra::Rotation3::new(chance.vector(3.0));
+            let shift = body.pose.translation.vector + chance.vector(0.03);
+            let mut positions: Vec<Vector3<f64>> = mesh
+                .material
+                .iter()
+                .map(|p| turn * p.push(0.0) + shift + chance.vector(2e-3))
+                .collect();
+            let near = Nearby::find(&mesh, &positions, &body, REACH, MARGIN);
+            for x in &mut positions {
+                let way = chance.vector(1.0);
+                *x += way * (0.99 * MARGIN / way.norm().max(1.0));
+            }
+            let found = |near: &Nearby| {
+                let (mut found, body) = (vec![], (0, &body));
+                detect(&mesh, &features, &positions, body, near, REACH, &mut found);
+                found
+            };
+            let afresh = found(&Nearby::find(&mesh, &positions, &body, REACH, 0.0));
+            assert_eq!(found(&near), afresh, "{shape:?}");
+            touched += afresh.len();
+        }
+        assert!(touched > 20, "{shape:?}: {touched} points");
+    }
+}
