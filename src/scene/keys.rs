@@ -87,11 +87,17 @@ const SHEET: &[Key] = &[
     need("outline", Tagged(OUTLINE)),
     may("triangles", Count(2, 2_000_000)),
     may("edge", Number(range(1e-6, 10.0, "m"))),
+    may("refine", Table(REFINE)),
     may("jitter", Number(range(0.0, 0.3, "edge lengths"))),
     may("mesh_seed", SEED),
     may("warp_angle", Number(ANGLE)),
     may("position", Vector(3, PLACE)),
     may("rotation", Vector(3, ANGLE)),
+];
+
+const REFINE: &[Key] = &[
+    need("region", Tagged(REGION)),
+    need("edge", Number(range(1e-6, 10.0, "m"))),
 ];
 
 const OUTLINE: &[(&str, &[Key])] = &[

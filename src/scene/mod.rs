@@ -15,6 +15,7 @@ mod overrides;
 mod parse;
 mod quantity;
 pub mod ranges;
+mod refine;
 mod spec;
 mod spelling;
 mod tree;
@@ -26,6 +27,7 @@ pub use method::{MethodSpec, OutputSpec, Scheme};
 pub use needs::{Reason, Term, needs};
 pub use overrides::Override;
 pub use parse::parse;
+pub use refine::Refine;
 pub use spec::*;
 pub use warning::Warning;
 

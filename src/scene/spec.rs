@@ -6,6 +6,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::method::{MethodSpec, OutputSpec};
+use super::refine::Refine;
 use crate::contact::{Pose, Shape};
 use crate::fabric::{PoissonCoupling, TwistRigidity};
 use crate::sheet::Outline;
@@ -113,6 +114,9 @@ pub struct SheetSpec {
     /// Wanted edge length \[m\]; give this or `triangles`.
     #[serde(default)]
     pub edge: Option<f64>,
+    /// Where the mesh is finer.
+    #[serde(default)]
+    pub refine: Option<Refine>,
     /// Random displacement of interior vertices as a fraction of the edge length, 0 to 0.3.
     #[serde(default)]
     pub jitter: f64,

@@ -23,15 +23,18 @@ pub struct MeshOptions {
     pub warp_angle: f64,
 }
 
+/// Edge length wanted at a point of the sheet \[m\].
+pub type Size<'a> = &'a dyn Fn(&Point) -> f64;
+
 /// Rounds of Delaunay and smoothing; the mean shape quality gains less than 0.1 % after 40.
 const SMOOTHING_ROUNDS: usize = 40;
 
 impl Outline {
-    fn loops(&self, edge: f64) -> Vec<Vec<Point>> {
+    fn loops(&self, size: Size) -> Vec<Vec<Point>> {
         match *self {
-            Self::Rectangle { length, width } => vec![rectangle(length, width, edge)],
-            Self::Disc { diameter } => vec![circle(diameter, edge)],
-            Self::Annulus { outer, inner } => vec![circle(outer, edge), circle(inner, edge)],
+            Self::Rectangle { length, width } => vec![rectangle(length, width, size)],
+            Self::Disc { diameter } => vec![circle(diameter, size)],
+            Self::Annulus { outer, inner } => vec![circle(outer, size), circle(inner, size)],
         }
     }
 
@@ -40,9 +43,10 @@ impl Outline {
         let mut edge = self.equilateral_edge(triangles as f64);
         let mut best = (f64::INFINITY, edge);
         for round in 0..24 {
-            let boundary: usize = self.loops(edge).iter().map(Vec::len).sum();
-            let holes = self.loops(edge).len() - 1;
-            let count = (2 * (lattice(self, edge).len() + holes) + boundary).saturating_sub(2);
+            let loops = self.loops(&|_| edge);
+            let boundary: usize = loops.iter().map(Vec::len).sum();
+            let inner = lattice(self, edge, &|_| edge).len();
+            let count = (2 * (inner + loops.len() - 1) + boundary).saturating_sub(2);
             let ratio = count as f64 / triangles as f64;
             let off = (ratio - 1.0).abs();
             if off < best.0 {
@@ -58,28 +62,35 @@ impl Outline {
     }
 }
 
-/// Meshes an outline. The same arguments give the same mesh.
+/// Meshes an outline evenly. The same arguments give the same mesh.
 pub fn generate(outline: &Outline, options: &MeshOptions) -> Mesh {
+    generate_graded(outline, options, &|_| options.edge)
+}
+
+/// Meshes an outline with edges of the length that `size` wants, never longer than `options.edge`. It should vary by
+/// no more than a quarter of the way that one goes.
+pub fn generate_graded(outline: &Outline, options: &MeshOptions, size: Size) -> Mesh {
     let mut random = Pcg64::seed_from_u64(options.seed);
+    let size = &|p: &Point| size(p).min(options.edge);
     let mut disc = |radius: f64| {
         let (turn, r): (f64, f64) = (random.random(), random.random());
         let (sin, cos) = (std::f64::consts::TAU * turn).sin_cos();
         Point::new(cos, sin) * (radius * r.sqrt())
     };
-    let loops = outline.loops(options.edge);
+    let loops = outline.loops(size);
     let mut points: Vec<Point> = loops.iter().flatten().copied().collect();
     let fixed = points.len();
     // A shaken lattice melts into an unstructured mesh; a still one would align hinges with the yarns.
-    let lattice = lattice(outline, options.edge);
-    points.extend(lattice.iter().map(|p| p + disc(0.25 * options.edge)));
+    let lattice = lattice(outline, options.edge, size);
+    points.extend(lattice.iter().map(|p| p + disc(0.25 * size(p))));
     let mut faces = triangulate(outline, &loops, &points);
     for _ in 0..SMOOTHING_ROUNDS {
-        smooth(&mut points, fixed, &faces);
+        smooth(&mut points, fixed, &faces, options.edge, size);
         faces = triangulate(outline, &loops, &points);
     }
     if options.jitter > 0.0 {
         for p in &mut points[fixed..] {
-            *p += disc(options.jitter * options.edge);
+            *p += disc(options.jitter * size(p));
         }
         faces = triangulate(outline, &loops, &points);
     }
@@ -88,8 +99,7 @@ pub fn generate(outline: &Outline, options: &MeshOptions) -> Mesh {
     Mesh::new(points, material, faces)
 }
 
-fn rectangle(length: f64, width: f64, edge: f64) -> Vec<Point> {
-    let (nx, ny) = (divisions(length, edge), divisions(width, edge));
+fn rectangle(length: f64, width: f64, size: Size) -> Vec<Point> {
     let (x, y) = (0.5 * length, 0.5 * width);
     let corners = [
         Point::new(-x, -y),
@@ -100,43 +110,79 @@ fn rectangle(length: f64, width: f64, edge: f64) -> Vec<Point> {
     let mut points = vec![];
     for side in 0..4 {
         let (from, to) = (corners[side], corners[(side + 1) % 4]);
-        let n = [nx, ny][side % 2];
-        points.extend((0..n).map(|i| from + (to - from) * (i as f64 / n as f64)));
+        let at = |part: f64| from + (to - from) * part;
+        points.extend(divide([length, width][side % 2], 1, at, size));
     }
     points
 }
 
-fn circle(diameter: f64, edge: f64) -> Vec<Point> {
-    let n = divisions(std::f64::consts::PI * diameter, edge).max(6);
-    (0..n)
-        .map(|i| {
-            let (sin, cos) = (std::f64::consts::TAU * i as f64 / n as f64).sin_cos();
-            Point::new(cos, sin) * (0.5 * diameter)
-        })
-        .collect()
+fn circle(diameter: f64, size: Size) -> Vec<Point> {
+    use std::f64::consts::{PI, TAU};
+    let at = |part: f64| {
+        let (sin, cos) = (TAU * part).sin_cos();
+        Point::new(cos, sin) * (0.5 * diameter)
+    };
+    divide(PI * diameter, 6, at, size)
 }
 
-fn divisions(length: f64, edge: f64) -> usize {
-    ((length / edge).round() as usize).max(1)
+/// Parts into which a curve is cut to see how its edges grow along it.
+const SAMPLES: usize = 1000;
+
+/// Points along a curve of a length \[m\], the end left out, as far apart as `size` wants; at least `least` of them.
+fn divide(length: f64, least: usize, at: impl Fn(f64) -> Point, size: Size) -> Vec<Point> {
+    let wanted = |k: usize| size(&at((k as f64 + 0.5) / SAMPLES as f64));
+    let (first, even) = (wanted(0), (1..SAMPLES).all(|k| wanted(k) == wanted(0)));
+    if even {
+        let n = ((length / first).round() as usize).max(least);
+        return (0..n).map(|i| at(i as f64 / n as f64)).collect();
+    }
+    // How many edges lie before each sample.
+    let mut edges = vec![0.0];
+    for k in 0..SAMPLES {
+        edges.push(edges[k] + length / SAMPLES as f64 / wanted(k));
+    }
+    let n = (edges[SAMPLES].round() as usize).max(least);
+    let place = |i: usize| {
+        let goal = edges[SAMPLES] * i as f64 / n as f64;
+        let k = edges.partition_point(|e| *e <= goal).clamp(1, SAMPLES);
+        let within = (goal - edges[k - 1]) / (edges[k] - edges[k - 1]);
+        at((k as f64 - 1.0 + within) / SAMPLES as f64)
+    };
+    (0..n).map(place).collect()
 }
 
-/// Interior points of the equilateral lattice, half an edge or more from the boundary.
-fn lattice(outline: &Outline, edge: f64) -> Vec<Point> {
+/// Ratio of the spacings of lattices that follow each other where the mesh gets finer.
+const RATIO: f64 = std::f64::consts::SQRT_2;
+
+/// Interior points of equilateral lattices, each where its spacing is nearest to the wanted size, a little more than
+/// half an edge from the boundary.
+fn lattice(outline: &Outline, edge: f64, size: Size) -> Vec<Point> {
     let half = outline.half_extent();
-    let rise = edge * 0.75f64.sqrt();
-    let (rows, columns) = (
-        (half.y / rise).ceil() as i64,
-        (half.x / edge).ceil() as i64 + 1,
-    );
     let mut points = vec![];
-    for row in -rows..=rows {
-        let shift = if row % 2 == 0 { 0.0 } else { 0.5 };
-        for column in -columns..=columns {
-            let p = Point::new((column as f64 + shift) * edge, row as f64 * rise);
-            if outline.depth(&p) > 0.6 * edge {
-                points.push(p);
+    let (mut spacing, mut finest) = (edge, false);
+    while !finest {
+        finest = true;
+        let rise = spacing * 0.75f64.sqrt();
+        let (rows, columns) = (
+            (half.y / rise).ceil() as i64,
+            (half.x / spacing).ceil() as i64 + 1,
+        );
+        for row in -rows..=rows {
+            let shift = if row % 2 == 0 { 0.0 } else { 0.5 };
+            for column in -columns..=columns {
+                let p = Point::new((column as f64 + shift) * spacing, row as f64 * rise);
+                if outline.depth(&p) <= 0.6 * size(&p).min(spacing) {
+                    continue;
+                }
+                let wanted = size(&p) / spacing;
+                finest &= wanted >= RATIO.sqrt().recip();
+                let coarsest = spacing == edge;
+                if wanted >= RATIO.sqrt().recip() && (coarsest || wanted < RATIO.sqrt()) {
+                    points.push(p);
+                }
             }
         }
+        spacing /= RATIO;
     }
     points
 }
@@ -177,20 +223,23 @@ fn rotate_smallest_first(face: [u32; 3]) -> [u32; 3] {
     }
 }
 
-/// Moves each interior vertex to the area-weighted centre of its faces (Du, Faber, Gunzburger 1999, lumped).
-fn smooth(points: &mut [Point], fixed: usize, faces: &[[u32; 3]]) {
+/// Moves each interior vertex to the centre of its faces, weighted by their area over the fourth power of the wanted
+/// size (Du, Faber, Gunzburger 1999, lumped).
+fn smooth(points: &mut [Point], fixed: usize, faces: &[[u32; 3]], edge: f64, size: Size) {
     let mut sums = vec![(Point::zeros(), 0.0); points.len()];
     for face in faces {
         let [a, b, c] = face.map(|v| points[v as usize]);
-        let area = (b - a).perp(&(c - a));
+        let centre = a + b + c;
+        let finer = edge / size(&(centre / 3.0));
+        let weight = (b - a).perp(&(c - a)) * (finer * finer) * (finer * finer);
         for &v in face {
-            sums[v as usize].0 += (a + b + c) * (area / 3.0);
-            sums[v as usize].1 += area;
+            sums[v as usize].0 += centre * (weight / 3.0);
+            sums[v as usize].1 += weight;
         }
     }
-    for (point, (sum, area)) in points.iter_mut().zip(sums).skip(fixed) {
-        if area > 0.0 {
-            *point = sum / area;
+    for (point, (sum, weight)) in points.iter_mut().zip(sums).skip(fixed) {
+        if weight > 0.0 {
+            *point = sum / weight;
         }
     }
 }

@@ -6,6 +6,6 @@ mod outline;
 #[cfg(test)]
 mod test;
 
-pub use generate::{MeshOptions, generate};
+pub use generate::{MeshOptions, generate, generate_graded};
 pub use mesh::{Mesh, NO_FACE};
 pub use outline::Outline;

@@ -14,7 +14,7 @@ use crate::physics::gravity::Gravity;
 use crate::physics::stretch::Stretch;
 use crate::physics::support::Support;
 use crate::scene::{Axis, Region, Scene, SupportKind, Term, needs};
-use crate::sheet::{Mesh, MeshOptions, generate};
+use crate::sheet::{Mesh, MeshOptions, generate, generate_graded};
 
 use super::air::Air;
 use super::command::AirRegion;
@@ -214,7 +214,13 @@ fn mesh(scene: &Scene) -> Mesh {
         seed: sheet.mesh_seed,
         warp_angle: sheet.warp_angle.to_radians(),
     };
-    generate(&sheet.outline, &options)
+    match &sheet.refine {
+        None => generate(&sheet.outline, &options),
+        Some(refine) => {
+            let size = |p: &Vector2<f64>| refine.size(&sheet.outline, p);
+            generate_graded(&sheet.outline, &options, &size)
+        }
+    }
 }
 
 fn supports(scene: &Scene, mesh: &Mesh) -> Vec<Support> {

@@ -1,0 +1,48 @@
+//! Where a mesh is finer than elsewhere.
+
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+
+use super::spec::Region;
+use crate::sheet::Outline;
+
+/// Part of the sheet with a finer mesh; from there on edges grow by a quarter of the way.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Refine {
+    /// The part.
+    pub region: Region,
+    /// Edge length within it \[m\].
+    pub edge: f64,
+}
+
+impl Refine {
+    /// Growth of the edges over the distance from the region \[-\].
+    const GROWTH: f64 = 0.25;
+
+    /// Edge length wanted at a point of a sheet \[m\].
+    pub fn size(&self, outline: &Outline, at: &Vector2<f64>) -> f64 {
+        self.edge + Self::GROWTH * self.region.distance(outline, at)
+    }
+}
+
+impl Region {
+    /// Distance of a point of a sheet from the region, zero within \[m\].
+    pub fn distance(&self, outline: &Outline, at: &Vector2<f64>) -> f64 {
+        let half = outline.half_extent();
+        let distance = match *self {
+            Region::XMin => at.x + half.x,
+            Region::XMax => half.x - at.x,
+            Region::YMin => at.y + half.y,
+            Region::YMax => half.y - at.y,
+            Region::Boundary => outline.depth(at),
+            Region::Box { min, max } => {
+                let beyond = |k: usize| (min[k] - at[k]).max(at[k] - max[k]).max(0.0);
+                beyond(0).hypot(beyond(1))
+            }
+            Region::Disc { diameter } => at.norm() - 0.5 * diameter,
+            Region::Point { at: point } => (at - Vector2::from(point)).norm(),
+        };
+        distance.max(0.0)
+    }
+}
