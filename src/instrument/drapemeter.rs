@@ -55,6 +55,9 @@ impl Hold {
     }
 }
 
+/// Part of the ring that hangs in which sharp ridges run round the plate and hold most of the bending.
+const RIDGES: f64 = 0.25;
+
 /// Sizes and starts of a drape test.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DrapeSettings {
@@ -180,6 +183,12 @@ fn scene(
         Hold::Resting => format!("{{ kind = \"disc\", diameter = {:?} }}", set.specimen),
     };
     values.push(("sheet.outline".into(), outline));
+    let ridges = format!(
+        "{{ kind = \"ring\", outer = {:?}, inner = {:?} }}",
+        set.plate + RIDGES * (set.specimen - set.plate),
+        set.plate - 0.1 * (set.specimen - set.plate)
+    );
+    values.push(("sheet.refine.region".into(), ridges));
     values.push(("sheet.triangles".into(), set.triangles.to_string()));
     for key in ["sheet.mesh_seed", "perturbation.seed"] {
         values.push((key.into(), seed.to_string()));

@@ -18,6 +18,7 @@ pub(super) fn check(scene: &Scene, document: &Node) -> Result<(), SceneError> {
         outline,
         fabric,
         supports,
+        refine,
         air,
         observations,
         times,
@@ -94,30 +95,63 @@ fn fabric(scene: &Scene) -> Result<(), Conflict> {
 }
 
 fn supports(scene: &Scene) -> Result<(), Conflict> {
-    let outline = &scene.sheet.outline;
     for (name, support) in &scene.support {
-        let key = |field: &str| format!("support.{name}.region{field}");
-        match support.region {
-            Region::XMin | Region::XMax | Region::YMin | Region::YMax => {
-                if !matches!(outline, Outline::Rectangle { .. }) {
-                    let reason = "only a rectangle has this side; use boundary, box, disc or point";
-                    return conflict(key(".kind"), reason);
-                }
+        region(scene, &support.region, &format!("support.{name}.region"))?;
+    }
+    Ok(())
+}
+
+/// Checks a part of the sheet, named by its `key`.
+fn region(scene: &Scene, region: &Region, key: &str) -> Result<(), Conflict> {
+    let outline = &scene.sheet.outline;
+    let refuse = |field: &str, reason: &str| conflict(format!("{key}{field}"), reason);
+    match *region {
+        Region::XMin | Region::XMax | Region::YMin | Region::YMax => {
+            if !matches!(outline, Outline::Rectangle { .. }) {
+                let reason =
+                    "only a rectangle has this side; use boundary, box, disc, ring or point";
+                return refuse(".kind", reason);
             }
-            Region::Box { min, max } => {
-                let half = outline.half_extent();
-                if !(0..2).all(|i| min[i] <= max[i]) {
-                    return conflict(key(".min"), "must not exceed max in x or y");
-                }
-                if !(0..2).all(|i| min[i] <= half[i] && max[i] >= -half[i]) {
-                    return conflict(key(""), "the box lies outside the sheet");
-                }
-            }
-            Region::Point { at } if !outline.contains(&at) => {
-                return conflict(key(".at"), "the point lies outside the sheet");
-            }
-            Region::Point { .. } | Region::Boundary | Region::Disc { .. } => {}
         }
+        Region::Box { min, max } => {
+            let half = outline.half_extent();
+            if !(0..2).all(|i| min[i] <= max[i]) {
+                return refuse(".min", "must not exceed max in x or y");
+            }
+            if !(0..2).all(|i| min[i] <= half[i] && max[i] >= -half[i]) {
+                return refuse("", "the box lies outside the sheet");
+            }
+        }
+        Region::Ring { outer, inner } if inner > outer => {
+            return refuse(".inner", &format!("must not exceed outer = {outer} m"));
+        }
+        Region::Point { at } if !outline.contains(&at) => {
+            return refuse(".at", "the point lies outside the sheet");
+        }
+        Region::Point { .. } | Region::Boundary | Region::Disc { .. } | Region::Ring { .. } => {}
+    }
+    Ok(())
+}
+
+fn refine(scene: &Scene) -> Result<(), Conflict> {
+    let sheet = &scene.sheet;
+    let Some(refine) = &sheet.refine else {
+        return Ok(());
+    };
+    region(scene, &refine.region, "sheet.refine.region")?;
+    let (Some(edge), finest) = (sheet.edge, sheet.outline.equilateral_edge(MOST_TRIANGLES)) else {
+        return Ok(());
+    };
+    if refine.factor * edge < finest {
+        let expected = format!(
+            "at least {} for sheet.edge = {} m (2 million triangles)",
+            short(finest / edge),
+            short(edge)
+        );
+        return Err((
+            "sheet.refine.factor".into(),
+            Problem::OutOfRange { expected },
+        ));
     }
     Ok(())
 }

@@ -97,7 +97,7 @@ const SHEET: &[Key] = &[
 
 const REFINE: &[Key] = &[
     need("region", Tagged(REGION)),
-    need("edge", Number(range(1e-6, 10.0, "m"))),
+    need("factor", Number(range(0.02, 1.0, ""))),
 ];
 
 const OUTLINE: &[(&str, &[Key])] = &[
@@ -145,6 +145,10 @@ const REGION: &[(&str, &[Key])] = &[
         &[need("min", Vector(2, PLACE)), need("max", Vector(2, PLACE))],
     ),
     ("disc", &[need("diameter", Number(SIZE))]),
+    (
+        "ring",
+        &[need("outer", Number(SIZE)), need("inner", Number(SIZE))],
+    ),
     ("point", &[need("at", Vector(2, PLACE))]),
 ];
 

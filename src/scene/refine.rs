@@ -6,23 +6,25 @@ use serde::{Deserialize, Serialize};
 use super::spec::Region;
 use crate::sheet::Outline;
 
-/// Part of the sheet with a finer mesh; from there on edges grow by a quarter of the way.
+/// Part of the sheet with a finer mesh, where folds or supports bend it sharply; from there on edges grow by a quarter
+/// of the way.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Refine {
     /// The part.
     pub region: Region,
-    /// Edge length within it \[m\].
-    pub edge: f64,
+    /// Edge length within it over that far from it, 0.02 to 1 \[-\].
+    pub factor: f64,
 }
 
 impl Refine {
     /// Growth of the edges over the distance from the region \[-\].
     const GROWTH: f64 = 0.25;
 
-    /// Edge length wanted at a point of a sheet \[m\].
-    pub fn size(&self, outline: &Outline, at: &Vector2<f64>) -> f64 {
-        self.edge + Self::GROWTH * self.region.distance(outline, at)
+    /// Edge length wanted at a point of a sheet whose longest edges are given \[m\].
+    pub fn size(&self, outline: &Outline, longest: f64, at: &Vector2<f64>) -> f64 {
+        let grown = self.factor * longest + Self::GROWTH * self.region.distance(outline, at);
+        grown.min(longest)
     }
 }
 
@@ -41,6 +43,7 @@ impl Region {
                 beyond(0).hypot(beyond(1))
             }
             Region::Disc { diameter } => at.norm() - 0.5 * diameter,
+            Region::Ring { outer, inner } => (at.norm() - 0.5 * outer).max(0.5 * inner - at.norm()),
             Region::Point { at: point } => (at - Vector2::from(point)).norm(),
         };
         distance.max(0.0)

@@ -222,6 +222,13 @@ pub enum Region {
         /// Diameter \[m\].
         diameter: f64,
     },
+    /// All between two circles about the sheet's centre.
+    Ring {
+        /// Diameter of the outer circle \[m\].
+        outer: f64,
+        /// Diameter of the inner circle \[m\].
+        inner: f64,
+    },
     /// The vertex nearest to a point.
     Point {
         /// x, y \[m\].

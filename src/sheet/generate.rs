@@ -38,14 +38,25 @@ impl Outline {
         }
     }
 
-    /// The edge length whose mesh has about `triangles` faces (within a few per cent).
+    /// The edge length whose even mesh has about `triangles` faces (within a few per cent).
     pub fn edge_for(&self, triangles: usize) -> f64 {
+        self.edge_for_graded(triangles, |edge, _| edge)
+    }
+
+    /// The longest edge whose graded mesh has about `triangles` faces (within a few per cent): `size` maps the longest
+    /// edge and a point to the edge length wanted there \[m\].
+    pub fn edge_for_graded(
+        &self,
+        triangles: usize,
+        size: impl Fn(f64, &Vector2<f64>) -> f64,
+    ) -> f64 {
         let mut edge = self.equilateral_edge(triangles as f64);
         let mut best = (f64::INFINITY, edge);
         for round in 0..24 {
-            let loops = self.loops(&|_| edge);
+            let size = |p: &Point| size(edge, p).min(edge);
+            let loops = self.loops(&size);
             let boundary: usize = loops.iter().map(Vec::len).sum();
-            let inner = lattice(self, edge, &|_| edge).len();
+            let inner = lattice(self, edge, &size).len();
             let count = (2 * (inner + loops.len() - 1) + boundary).saturating_sub(2);
             let ratio = count as f64 / triangles as f64;
             let off = (ratio - 1.0).abs();

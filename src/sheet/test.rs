@@ -1,4 +1,4 @@
-use super::{Mesh, MeshOptions, NO_FACE, Outline, generate};
+use super::{Mesh, MeshOptions, NO_FACE, Outline, generate, generate_graded};
 
 fn outlines() -> [Outline; 4] {
     [
@@ -56,6 +56,52 @@ fn meshes_have_the_wanted_count_and_good_shapes() {
                 assert!(least > 25.0, "{name}: an angle of {least} degrees");
                 assert!(mean > 0.95, "{name}: mean quality {mean}");
             }
+        }
+    }
+}
+
+/// Edges a quarter as long in the left half of an outline, growing from there.
+#[test]
+fn graded_meshes_have_the_wanted_count_sizes_and_shapes() {
+    for outline in outlines() {
+        let size = |longest: f64, p: &nalgebra::Vector2<f64>| {
+            (0.25 * longest + 0.25 * p.x.max(0.0)).min(longest)
+        };
+        for (wanted, seed) in [(1500, 0), (1500, 1), (6000, 0)] {
+            let options = MeshOptions {
+                edge: outline.edge_for_graded(wanted, size),
+                jitter: 0.0,
+                seed,
+                warp_angle: 0.3,
+            };
+            let mesh = generate_graded(&outline, &options, &|p| size(options.edge, p));
+            let count = mesh.faces.len();
+            let name = format!("{outline:?} of {wanted}, seed {seed}");
+            let off = (count as f64 / wanted as f64 - 1.0).abs();
+            assert!(off <= 0.05, "{name}: {count} triangles");
+            let shapes: Vec<_> = (0..count).map(|f| shape(&mesh, f)).collect();
+            let least = shapes.iter().fold(90.0, |m: f64, s| m.min(s.0));
+            let mean = shapes.iter().map(|s| s.1).sum::<f64>() / count as f64;
+            assert!(least > 20.0, "{name}: an angle of {least} degrees");
+            assert!(mean > 0.93, "{name}: mean quality {mean}");
+            // Edge over the wanted size at its middle.
+            let ratios: Vec<f64> = (0..mesh.edges.len())
+                .map(|e| {
+                    let [a, b] = mesh.edges[e].map(|v| mesh.outline[v as usize]);
+                    mesh.edge_length(e) / size(options.edge, &(0.5 * (a + b)))
+                })
+                .collect();
+            let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+            let near = ratios.iter().filter(|r| (0.6..1.6).contains(*r)).count();
+            assert!(
+                (mean - 1.0).abs() < 0.1,
+                "{name}: edges {mean} of the wanted size"
+            );
+            assert!(
+                near as f64 > 0.97 * ratios.len() as f64,
+                "{name}: {near} of {}",
+                ratios.len()
+            );
         }
     }
 }

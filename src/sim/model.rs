@@ -14,7 +14,7 @@ use crate::physics::gravity::Gravity;
 use crate::physics::stretch::Stretch;
 use crate::physics::support::Support;
 use crate::scene::{Axis, Region, Scene, SupportKind, Term, needs};
-use crate::sheet::{Mesh, MeshOptions, generate, generate_graded};
+use crate::sheet::{Mesh, MeshOptions, generate_graded};
 
 use super::air::Air;
 use super::command::AirRegion;
@@ -204,9 +204,13 @@ fn placement(scene: &Scene) -> (Rotation3<f64>, Vector3<f64>) {
 
 fn mesh(scene: &Scene) -> Mesh {
     let sheet = &scene.sheet;
+    let size = |longest: f64, p: &Vector2<f64>| match &sheet.refine {
+        None => longest,
+        Some(refine) => refine.size(&sheet.outline, longest, p),
+    };
     let edge = match (sheet.edge, sheet.triangles) {
         (Some(edge), _) => edge,
-        (None, count) => sheet.outline.edge_for(count.unwrap_or(1000)),
+        (None, count) => sheet.outline.edge_for_graded(count.unwrap_or(1000), size),
     };
     let options = MeshOptions {
         edge,
@@ -214,13 +218,7 @@ fn mesh(scene: &Scene) -> Mesh {
         seed: sheet.mesh_seed,
         warp_angle: sheet.warp_angle.to_radians(),
     };
-    match &sheet.refine {
-        None => generate(&sheet.outline, &options),
-        Some(refine) => {
-            let size = |p: &Vector2<f64>| refine.size(&sheet.outline, p);
-            generate_graded(&sheet.outline, &options, &size)
-        }
-    }
+    generate_graded(&sheet.outline, &options, &|p| size(edge, p))
 }
 
 fn supports(scene: &Scene, mesh: &Mesh) -> Vec<Support> {
@@ -267,6 +265,9 @@ fn region(region: &Region, mesh: &Mesh) -> impl Fn(&Vector2<f64>) -> bool {
             (0..2).all(|i| p[i] >= min[i] - margin && p[i] <= max[i] + margin)
         }
         Region::Disc { diameter } => p.norm() <= 0.5 * diameter + margin,
+        Region::Ring { outer, inner } => {
+            (0.5 * inner - margin..=0.5 * outer + margin).contains(&p.norm())
+        }
         Region::Point { .. } => *p == nearest,
     }
 }

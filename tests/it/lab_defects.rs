@@ -40,6 +40,62 @@ fn verify_the_printed_bending_operator_has_no_stiffness_when_flat() {
     assert!((varied - 1.0).abs() < 1e-3, "{varied}");
 }
 
+/// Overhang at which the chord of a strip hangs at 41.5 degrees \[m\], with a law of curvature \[1/m\] against the
+/// moment \[N\] of a `load` \[Pa\] per width. From the free end, where the moment is none, to where the strip is level.
+fn overhang(load: f64, curvature: impl Fn(f64) -> f64) -> f64 {
+    const PART: f64 = 1e-5;
+    let hang = |end: f64| {
+        let (mut slope, mut moment, mut length) = (end, 0.0, 0.0);
+        let (mut reach, mut drop) = (0.0, 0.0);
+        while slope > 0.0 {
+            let middle: f64 = slope - 0.5 * PART * curvature(moment);
+            moment += PART * load * (length + 0.5 * PART) * middle.cos();
+            slope = middle - 0.5 * PART * curvature(moment);
+            length += PART;
+            reach += PART * middle.cos();
+            drop += PART * middle.sin();
+        }
+        (drop.atan2(reach).to_degrees(), length)
+    };
+    let (mut low, mut high) = (0.1, 1.5);
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        match hang(middle).0 < 41.5 {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    hang(low).1
+}
+
+/// A cantilever of F1 along the warp, by (9) and by (10). The first gives back the rigidity put in, whatever the
+/// gravity. The second, whose moment is D b² in place of D b, gives another one, and twice as much in twice the gravity to
+/// some power: it is no constant of the fabric. Exact rigidity from the overhang: Gamma = 8.0042.
+#[test]
+fn verify_a_cantilever_by_the_printed_operator_does_not_give_back_the_rigidity() {
+    let fabric = find("F1").unwrap();
+    let rigidity = fabric.bending().c11;
+    let read = |printed: bool, gravity: f64| {
+        let load = fabric.areal_density * gravity;
+        let law = |moment: f64| match printed {
+            true => (moment / rigidity).sqrt(),
+            false => moment / rigidity,
+        };
+        load * overhang(load, law).powi(3) / 8.0042
+    };
+    for gravity in [9.81, 2.0 * 9.81] {
+        let varied = read(false, gravity) / rigidity;
+        assert!(
+            (varied - 1.0).abs() < 2e-3,
+            "by (9): {varied} of the rigidity"
+        );
+    }
+    let [once, twice] = [9.81, 2.0 * 9.81].map(|g| read(true, g) / rigidity);
+    println!("by (10): {once} of the rigidity, in twice the gravity {twice}");
+    assert!((once - 1.0).abs() > 0.5, "{once}");
+    assert!((twice / once - 1.0).abs() > 0.1, "{once}, {twice}");
+}
+
 /// (12) with the megapascals of Table 2 as weights of the surface energy: the tensile test gives back a 61st of the
 /// modulus; with pascals, sixteen thousand times as much.
 #[test]

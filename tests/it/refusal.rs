@@ -369,3 +369,19 @@ fn a_refused_override_names_itself() {
         "{message}"
     );
 }
+
+#[test]
+fn a_refined_part_has_a_place_and_an_end() {
+    refuses_set(
+        &["sheet.refine={ region = { kind = \"point\", at = [9.0, 0.0] }, factor = 0.5 }"],
+        &["sheet.refine.region.at", "outside the sheet"],
+    );
+    refuses_set(
+        &["sheet.refine={ region = { kind = \"x-min\" }, factor = 0.0 }"],
+        &["sheet.refine.factor = 0", "from 0.02 to 1"],
+    );
+    refuses_set(
+        &["sheet.refine={ region = { kind = \"ring\", outer = 0.1, inner = 0.2 }, factor = 0.5 }"],
+        &["sheet.refine.region.inner", "must not exceed outer = 0.1 m"],
+    );
+}

@@ -150,6 +150,7 @@ accept = ["air", "obstacles"]
 [sheet]
 outline = { kind = "annulus", outer = 0.3, inner = 0.1 }
 triangles = 900
+refine = { region = { kind = "ring", outer = 0.2, inner = 0.1 }, factor = 0.5 }
 jitter = 0.2
 mesh_seed = 3
 warp_angle = 45
