@@ -17,7 +17,7 @@ pub(super) fn check(scene: &Scene, document: &Node) -> Result<(), SceneError> {
         mesh_size,
         outline,
         fabric,
-        supports,
+        held_and_loaded,
         refine,
         air,
         observations,
@@ -79,10 +79,14 @@ fn mesh_size(scene: &Scene) -> Result<(), Conflict> {
 
 fn outline(scene: &Scene) -> Result<(), Conflict> {
     match scene.sheet.outline {
-        Outline::Annulus { outer, inner } if inner >= outer => conflict(
-            "sheet.outline.inner",
-            format!("must be less than sheet.outline.outer = {outer} m"),
-        ),
+        Outline::Annulus { outer, inner } | Outline::Sector { outer, inner, .. }
+            if inner >= outer =>
+        {
+            conflict(
+                "sheet.outline.inner",
+                format!("must be less than sheet.outline.outer = {outer} m"),
+            )
+        }
         _ => Ok(()),
     }
 }
@@ -94,9 +98,12 @@ fn fabric(scene: &Scene) -> Result<(), Conflict> {
     }
 }
 
-fn supports(scene: &Scene) -> Result<(), Conflict> {
+fn held_and_loaded(scene: &Scene) -> Result<(), Conflict> {
     for (name, support) in &scene.support {
         region(scene, &support.region, &format!("support.{name}.region"))?;
+    }
+    for (name, load) in &scene.load {
+        region(scene, &load.region, &format!("load.{name}.region"))?;
     }
     Ok(())
 }

@@ -75,6 +75,7 @@ pub(super) const SCENE: &[Key] = &[
     need("sheet", Table(SHEET)),
     need("fabric", Table(FABRIC)),
     may("support", Named(SUPPORT)),
+    may("load", Named(LOAD)),
     may("obstacle", Named(OBSTACLE)),
     may("air", Table(AIR)),
     may("perturbation", Table(PERTURBATION)),
@@ -110,6 +111,14 @@ const OUTLINE: &[(&str, &[Key])] = &[
         "annulus",
         &[need("outer", Number(SIZE)), need("inner", Number(SIZE))],
     ),
+    (
+        "sector",
+        &[
+            need("outer", Number(SIZE)),
+            need("inner", Number(SIZE)),
+            need("angle", Number(range(1.0, 359.9, "degrees"))),
+        ],
+    ),
 ];
 
 const FABRIC: &[Key] = &[
@@ -132,6 +141,11 @@ const SUPPORT: &[Key] = &[
     need("region", Tagged(REGION)),
     may("axes", Axes),
     may("displacement", Vector(3, PLACE)),
+];
+
+const LOAD: &[Key] = &[
+    need("region", Tagged(REGION)),
+    need("force", Vector(3, range(-1e6, 1e6, "N"))),
 ];
 
 const REGION: &[(&str, &[Key])] = &[

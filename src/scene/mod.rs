@@ -9,6 +9,7 @@ mod error;
 mod fabric;
 mod keys;
 pub mod library;
+mod load;
 mod method;
 mod needs;
 mod overrides;
@@ -23,6 +24,7 @@ mod warning;
 
 pub use error::{Origin, Problem, SceneError};
 pub use fabric::FabricError;
+pub use load::LoadSpec;
 pub use method::{MethodSpec, OutputSpec, Scheme};
 pub use needs::{Reason, Term, needs};
 pub use overrides::Override;

@@ -14,7 +14,7 @@ pub enum Term {
     Stretch,
     /// Curvature.
     Bend,
-    /// Weight.
+    /// Weight and dead loads.
     Gravity,
     /// Viscous damping.
     Damping,
@@ -67,7 +67,9 @@ impl Term {
             Term::Gravity => {
                 let [x, y, z] = scene.gravity.map(short);
                 let weighs = scene.gravity != [0.0; 3];
-                weighs.then(|| format!("gravity = [{x}, {y}, {z}] m/s²"))
+                weighs
+                    .then(|| format!("gravity = [{x}, {y}, {z}] m/s²"))
+                    .or_else(|| list(scene.load.keys().map(|name| format!("load.{name}"))))
             }
             Term::Damping => {
                 let mu = scene.damping;

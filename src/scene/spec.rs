@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
+use super::load::LoadSpec;
 use super::method::{MethodSpec, OutputSpec};
 use super::refine::Refine;
 use crate::contact::{Pose, Shape};
@@ -37,6 +38,9 @@ pub struct Scene {
     /// Where it is held.
     #[serde(default)]
     pub support: BTreeMap<String, SupportSpec>,
+    /// Dead loads by name.
+    #[serde(default)]
+    pub load: BTreeMap<String, LoadSpec>,
     /// What it can touch.
     #[serde(default)]
     pub obstacle: BTreeMap<String, ObstacleSpec>,

@@ -35,6 +35,11 @@ impl Outline {
             Self::Rectangle { length, width } => vec![rectangle(length, width, size)],
             Self::Disc { diameter } => vec![circle(diameter, size)],
             Self::Annulus { outer, inner } => vec![circle(outer, size), circle(inner, size)],
+            Self::Sector {
+                outer,
+                inner,
+                angle,
+            } => vec![sector(outer, inner, angle.to_radians(), size)],
         }
     }
 
@@ -134,6 +139,25 @@ fn circle(diameter: f64, size: Size) -> Vec<Point> {
         Point::new(cos, sin) * (0.5 * diameter)
     };
     divide(PI * diameter, 6, at, size)
+}
+
+fn sector(outer: f64, inner: f64, angle: f64, size: Size) -> Vec<Point> {
+    let place = |diameter: f64, turn: f64| {
+        let (sin, cos) = turn.sin_cos();
+        Point::new(cos, sin) * (0.5 * diameter)
+    };
+    let side = 0.5 * (outer - inner);
+    let from_to = |a: f64, b: f64, part: f64| a + (b - a) * part;
+    let outside = divide(0.5 * outer * angle, 2, |t| place(outer, t * angle), size);
+    let end = divide(side, 1, |t| place(from_to(outer, inner, t), angle), size);
+    let inside = divide(
+        0.5 * inner * angle,
+        2,
+        |t| place(inner, (1.0 - t) * angle),
+        size,
+    );
+    let start = divide(side, 1, |t| place(from_to(inner, outer, t), 0.0), size);
+    [outside, end, inside, start].concat()
 }
 
 /// Parts into which a curve is cut to see how its edges grow along it.

@@ -26,6 +26,15 @@ pub enum Outline {
         /// Inner diameter \[m\].
         inner: f64,
     },
+    /// A part of a ring, from sheet x counter-clockwise: what a flared skirt is cut from.
+    Sector {
+        /// Outer diameter \[m\].
+        outer: f64,
+        /// Inner diameter \[m\].
+        inner: f64,
+        /// Angle between its two straight sides, up to 359.9 \[degrees\].
+        angle: f64,
+    },
 }
 
 impl Outline {
@@ -37,6 +46,13 @@ impl Outline {
             }
             Self::Disc { diameter } => 0.5 * diameter - p.norm(),
             Self::Annulus { outer, inner } => (0.5 * outer - p.norm()).min(p.norm() - 0.5 * inner),
+            Self::Sector {
+                outer,
+                inner,
+                angle,
+            } => (0.5 * outer - p.norm())
+                .min(p.norm() - 0.5 * inner)
+                .min(between_sides(p, angle.to_radians())),
         }
     }
 
@@ -45,7 +61,9 @@ impl Outline {
         match *self {
             Self::Rectangle { length, width } => Vector2::new(0.5 * length, 0.5 * width),
             Self::Disc { diameter } => Vector2::repeat(0.5 * diameter),
-            Self::Annulus { outer, .. } => Vector2::repeat(0.5 * outer),
+            Self::Annulus { outer, .. } | Self::Sector { outer, .. } => {
+                Vector2::repeat(0.5 * outer)
+            }
         }
     }
 
@@ -56,6 +74,11 @@ impl Outline {
             Self::Rectangle { length, width } => length * width,
             Self::Disc { diameter } => FRAC_PI_4 * diameter * diameter,
             Self::Annulus { outer, inner } => FRAC_PI_4 * (outer * outer - inner * inner),
+            Self::Sector {
+                outer,
+                inner,
+                angle,
+            } => angle / 360.0 * FRAC_PI_4 * (outer * outer - inner * inner),
         }
     }
 
@@ -69,4 +92,18 @@ impl Outline {
     pub fn equilateral_edge(&self, triangles: f64) -> f64 {
         (4.0 * self.area() / (3f64.sqrt() * triangles)).sqrt()
     }
+}
+
+/// Distance to the nearer of two rays from the origin, along x and `angle` from there \[rad\]; negative outside.
+fn between_sides(p: &Vector2<f64>, angle: f64) -> f64 {
+    let to_ray = |at: f64| {
+        let along = Vector2::new(at.cos(), at.sin());
+        match along.dot(p) > 0.0 {
+            true => along.perp(p).abs(),
+            false => p.norm(),
+        }
+    };
+    let distance = to_ray(0.0).min(to_ray(angle));
+    let at = p.y.atan2(p.x).rem_euclid(std::f64::consts::TAU);
+    if at <= angle { distance } else { -distance }
 }

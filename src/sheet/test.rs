@@ -1,6 +1,6 @@
 use super::{Mesh, MeshOptions, NO_FACE, Outline, generate, generate_graded};
 
-fn outlines() -> [Outline; 4] {
+fn outlines() -> [Outline; 5] {
     [
         Outline::Rectangle {
             length: 0.2,
@@ -14,6 +14,11 @@ fn outlines() -> [Outline; 4] {
         Outline::Annulus {
             outer: 0.3,
             inner: 0.18,
+        },
+        Outline::Sector {
+            outer: 0.3,
+            inner: 0.18,
+            angle: 359.9,
         },
     ]
 }

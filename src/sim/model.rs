@@ -19,6 +19,7 @@ use crate::sheet::{Mesh, MeshOptions, generate_graded};
 use super::air::Air;
 use super::command::AirRegion;
 use super::dofs::Dofs;
+use super::loads::loads;
 
 /// Mesh, fabric and terms of a run.
 #[derive(Clone, Debug)]
@@ -79,7 +80,8 @@ impl Model {
             .iter()
             .map(|a| a * fabric.areal_density)
             .collect();
-        let gravity = Gravity::new(&masses, scene.gravity.into());
+        let mut gravity = Gravity::new(&masses, scene.gravity.into());
+        gravity.load(&loads(scene, &mesh));
         let mass: f64 = masses.iter().sum();
         let weight = if gravity.total() > 0.0 {
             gravity.total()
@@ -236,7 +238,7 @@ fn supports(scene: &Scene, mesh: &Mesh) -> Vec<Support> {
 }
 
 /// Test for a region of the sheet, with a margin for rounding.
-fn region(region: &Region, mesh: &Mesh) -> impl Fn(&Vector2<f64>) -> bool {
+pub(super) fn region(region: &Region, mesh: &Mesh) -> impl Fn(&Vector2<f64>) -> bool {
     let points = &mesh.outline;
     let low = points
         .iter()

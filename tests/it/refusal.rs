@@ -173,7 +173,7 @@ fn a_word_that_is_no_choice_lists_the_choices() {
     refuses(
         "\"rectangle\"",
         "\"triangle\"",
-        &["sheet.outline.kind", "rectangle, disc, annulus"],
+        &["sheet.outline.kind", "rectangle, disc, annulus, sector"],
     );
 }
 
@@ -367,6 +367,18 @@ fn a_refused_override_names_itself() {
     assert!(
         message.contains("--set damping: must be KEY=VALUE"),
         "{message}"
+    );
+}
+
+#[test]
+fn a_load_has_a_place_and_a_range() {
+    refuses_set(
+        &["load.hem={ region = { kind = \"x-max\" }, force = [0.0, 0.0, 1e9] }"],
+        &["load.hem.force", "N"],
+    );
+    refuses_set(
+        &["load.hem={ region = { kind = \"point\", at = [9.0, 0.0] }, force = [0.0, 0.0, 1.0] }"],
+        &["load.hem.region.at", "outside the sheet"],
     );
 }
 

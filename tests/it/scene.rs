@@ -174,6 +174,8 @@ a = { kind = "pin", region = { kind = "boundary" }, axes = "xz", displacement = 
 b = { kind = "clamp", region = { kind = "box", min = [0.0, 0.0], max = [0.1, 0.1] } }
 c = { kind = "clamp", region = { kind = "disc", diameter = 0.1 } }
 d = { kind = "pin", region = { kind = "point", at = [0.1, 0.0] } }
+[load]
+hem = { region = { kind = "boundary" }, force = [0.0, 0.1, -0.2] }
 [obstacle]
 plane = { shape = { kind = "plane" }, position = [0.0, 0.0, -1.0], rotation = [0.0, 5.0, 0.0] }
 ball = { shape = { kind = "sphere", radius = 0.1 }, linear_velocity = [0.1, 0.0, 0.0] }

@@ -7,10 +7,10 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::stencil::{Gradient, Hessian, Nodes, Potential};
 
-/// Weight of the vertices.
+/// Weight of the vertices, and the dead loads they bear.
 #[derive(Clone, Debug)]
 pub struct Gravity {
-    /// m g \[N\], shape \[vertices\].
+    /// m g and loads \[N\], shape \[vertices\].
     weights: Vec<Vector3<f64>>,
 }
 
@@ -19,6 +19,13 @@ impl Gravity {
     pub fn new(masses: &[f64], field: Vector3<f64>) -> Self {
         let weights = masses.iter().map(|&m| field * m).collect();
         Self { weights }
+    }
+
+    /// Adds dead loads \[N\] to the vertices.
+    pub fn load(&mut self, forces: &[Vector3<f64>]) {
+        for (weight, force) in self.weights.iter_mut().zip(forces) {
+            *weight += force;
+        }
     }
 
     /// Sum of the weights of all vertices \[N\].
