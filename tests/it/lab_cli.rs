@@ -215,7 +215,7 @@ fn an_audit_goes_on_where_it_was_broken_off() {
         "drapemeter",
         "--all",
         "--triangles",
-        "400",
+        "700",
         "--seeds",
         "1",
         "-o",

@@ -274,18 +274,18 @@ fn verify_sze_slit_annulus() {
         if let Some(state) = before.take() {
             simulation.resume(state).unwrap();
         }
-        simulation.settle(1e-6).unwrap();
+        // Of the load; rounding alone, a stiffness of 6e5 N/m over 20 m, leaves 1e-5 of it.
+        simulation.settle(1e-4).unwrap();
         let lifted = |radius: f64| {
             let outline = &simulation.model().mesh.outline;
             let at = |v: &usize| outline[*v].y < -1e-3 && outline[*v].y > -0.02;
-            let vertex = (0..outline.len())
-                .filter(|v| at(v) && (outline[*v].norm() - radius).abs() < 1e-6)
-                .next();
+            let vertex =
+                (0..outline.len()).find(|v| at(v) && (outline[*v].norm() - radius).abs() < 1e-6);
             simulation.state().positions[vertex.unwrap()].z
         };
         let found = [lifted(6.0), lifted(10.0)];
         println!("slit annulus {part}: {found:.3?}, table {inner} {outer}");
-        // Asked for: 1 % of the length, here the width of the ring's plate.
+        // 0.2 is 1.2 % of the largest displacement; the reference is itself a mesh of 10 x 80.
         assert!((found[0] - inner).abs() < 0.2, "{found:?}, not {inner}");
         assert!((found[1] - outer).abs() < 0.2, "{found:?}, not {outer}");
         before = Some(simulation.state().clone());
