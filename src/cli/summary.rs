@@ -36,6 +36,14 @@ pub(super) fn text(scene: &Scene, run: &Summary) -> String {
         });
         rows.push(("deepest penetration", depth));
     }
+    if run.crossings > 0 {
+        let counts = format!("{} edges passed through faces at most", run.crossings);
+        rows.push(("sheet crosses itself", counts));
+    }
+    for (term, time) in &run.neglected {
+        let since = format!("{term}, needed from {} s on", output::significant(*time, 3));
+        rows.push(("NEGLECTED", since));
+    }
     for (name, value) in &run.readings {
         rows.push((name, format!("{:.3} mm", 1e3 * value)));
     }
@@ -178,6 +186,8 @@ pub(super) fn json(scene: &Scene, warnings: &[Warning], run: &Summary) -> Value 
         "readings": readings,
         "largest_strain": run.largest_strain,
         "deepest_penetration": run.deepest_penetration,
+        "crossings": run.crossings,
+        "neglected": run.neglected.iter().map(|(term, time)| json!({ "term": term, "from": time })).collect::<Vec<_>>(),
         // Programs read JSON numbers as doubles, which do not hold 64 bits.
         "digest": format!("{:016x}", run.digest),
         "pace": run.pace.to_string(),

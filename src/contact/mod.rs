@@ -1,7 +1,8 @@
-//! Obstacles and their distance to points, edges and faces of the sheet.
+//! Obstacles and their distance to points, edges and faces of the sheet; and the sheet near itself, in [`layers`].
 
 mod detect;
 mod distance;
+pub mod layers;
 mod minimum;
 mod obstacle;
 #[cfg(test)]

@@ -57,6 +57,10 @@ pub struct Summary {
     pub largest_strain: Peak,
     /// Deepest penetration into an obstacle \[m\].
     pub deepest_penetration: Peak,
+    /// Most edges of the sheet that passed through its faces after a step.
+    pub crossings: u64,
+    /// Terms that the scene leaves out and should not, each with the time at which that showed \[s\].
+    pub neglected: Vec<(&'static str, f64)>,
     /// Whether every step converged.
     pub converged: bool,
     /// Digest of the last state.
@@ -99,6 +103,14 @@ impl Summary {
         self.work.factorisations += report.work.factorisations;
         self.work.solves += report.work.solves;
         self.work.halvings += report.work.halvings;
+        self.work.layer_searches += report.work.layer_searches;
+        self.work.layer_pairs += report.work.layer_pairs;
+        self.crossings = self.crossings.max(report.crossings);
+        for &term in &report.neglected {
+            if !self.neglected.iter().any(|(name, _)| *name == term) {
+                self.neglected.push((term, report.time));
+            }
+        }
         self.energies = report.energies;
         self.largest_strain.add(report.largest_strain);
         self.deepest_penetration.add(report.deepest_penetration);

@@ -77,6 +77,7 @@ pub(super) const SCENE: &[Key] = &[
     may("support", Named(SUPPORT)),
     may("obstacle", Named(OBSTACLE)),
     may("air", Table(AIR)),
+    may("layers", Table(LAYERS)),
     may("perturbation", Table(PERTURBATION)),
     may("method", Table(METHOD)),
     may("output", Table(OUTPUT)),
@@ -176,6 +177,11 @@ const AIR: &[Key] = &[
 ];
 
 const AIR_REGION: &[Key] = &[need("min", Vector(3, PLACE)), need("max", Vector(3, PLACE))];
+
+const LAYERS: &[Key] = &[
+    may("friction", Number(FRICTION)),
+    may("thickness", Number(range(1e-6, 0.1, "m"))),
+];
 
 const PERTURBATION: &[Key] = &[
     may("amplitude", Number(range(0.0, 0.1, "m"))),

@@ -42,6 +42,9 @@ pub struct Scene {
     /// The air that acts on it; none if left out.
     #[serde(default)]
     pub air: Option<AirSpec>,
+    /// Contact of the sheet with itself; it passes through itself if left out.
+    #[serde(default)]
+    pub layers: Option<LayersSpec>,
     /// A seeded disturbance of the flat start: a symmetric one is metastable.
     #[serde(default)]
     pub perturbation: Perturbation,
@@ -300,6 +303,18 @@ pub struct AirSpec {
     /// Time from there to the end of the flow, which then fades in `rise` \[s\]; endless if left out.
     #[serde(default)]
     pub hold: Option<f64>,
+}
+
+/// How the sheet touches itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LayersSpec {
+    /// Coulomb friction coefficient of cloth on cloth \[-\].
+    #[serde(default)]
+    pub friction: f64,
+    /// Distance of the middle surfaces at which layers touch \[m\]; the fabric's thickness if left out.
+    #[serde(default)]
+    pub thickness: Option<f64>,
 }
 
 /// An axis-aligned box of the world.

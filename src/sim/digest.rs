@@ -33,6 +33,11 @@ impl State {
             digest.whole(bond.key);
             digest.vector(&bond.offset);
         }
+        digest.whole(count(self.layer_bonds.len()));
+        for bond in &self.layer_bonds {
+            digest.whole(bond.key);
+            digest.vector(&bond.offset);
+        }
         digest.whole(self.step);
         digest.number(past.dt);
         digest.0.digest()

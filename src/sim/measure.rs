@@ -1,6 +1,7 @@
 //! Stage 8: what a step reports, read-only.
 
 use super::assembly::pick;
+use super::layers;
 use super::model::Model;
 use super::report::StepReport;
 use super::state::State;
@@ -10,6 +11,7 @@ use crate::physics::Potential;
 /// Fills in everything that can be read off a state and its contacts.
 pub fn measure(model: &Model, state: &State, touch: &Touch, report: &mut StepReport) {
     let nodes = state.nodes();
+    let layers = layers::inspect(model, state, report);
     let energies = &mut report.energies;
     energies.kinetic = kinetic(model, state);
     energies.stretch = total(&model.stretch, &nodes);
@@ -24,6 +26,7 @@ pub fn measure(model: &Model, state: &State, touch: &Touch, report: &mut StepRep
         report.deepest_penetration = touch.deepest(law);
         report.contacts = touch.proximities.len() as u64;
     }
+    energies.contact += layers;
     report.largest_strain = (0..model.stretch.count())
         .map(|s| {
             model

@@ -12,6 +12,7 @@ mod equilibrium;
 mod implicit;
 mod integrate;
 mod kernel;
+mod layers;
 mod measure;
 mod model;
 mod report;

@@ -4,6 +4,7 @@ use nalgebra::{Rotation3, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
+use crate::contact::layers::Tiles;
 use crate::contact::{Features, Obstacle, Velocity};
 use crate::fabric::Fabric;
 use crate::physics::Potential;
@@ -11,6 +12,7 @@ use crate::physics::bend::Bend;
 use crate::physics::contact::ContactLaw;
 use crate::physics::damping::Damping;
 use crate::physics::gravity::Gravity;
+use crate::physics::layers::LayerLaw;
 use crate::physics::stretch::Stretch;
 use crate::physics::support::Support;
 use crate::scene::{Axis, Region, Scene, SupportKind, Term, needs};
@@ -51,6 +53,10 @@ pub struct Model {
     pub contact: Option<ContactLaw>,
     /// Incidence for contact detection.
     pub features: Features,
+    /// The law of layer on layer, if the sheet may touch itself.
+    pub layers: Option<LayerLaw>,
+    /// Where the sheet may come near to itself.
+    pub tiles: Tiles,
     /// Numbering of the unknowns.
     pub dofs: Dofs,
     /// Vertices and axis of each reading, with the mean position at the start.
@@ -93,6 +99,10 @@ impl Model {
         let needed = |wanted| needs.iter().any(|(term, _)| *term == wanted);
         let contact =
             needed(Term::Contact).then(|| ContactLaw::new(weight, stiffness, fabric.thickness));
+        let spec = scene.layers.unwrap_or_default();
+        let thickness = spec.thickness.unwrap_or(fabric.thickness);
+        let area = mesh.area() / masses.len() as f64;
+        let layers = needed(Term::Layers).then(|| LayerLaw::new(thickness, area, spec.friction));
         let (turn, shift) = placement(scene);
         let start_gravity = (0..masses.len())
             .map(|v| {
@@ -107,6 +117,8 @@ impl Model {
             gravity,
             damping: Damping::new(scene.damping, &mesh.vertex_areas),
             contact,
+            layers,
+            tiles: Tiles::new(&mesh, thickness),
             drag: needed(Term::Drag),
             features: Features::new(&mesh),
             dofs: Dofs::new(&mesh, &supports),

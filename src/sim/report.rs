@@ -40,6 +40,10 @@ pub struct Work {
     pub solves: u64,
     /// Line search halvings.
     pub halvings: u64,
+    /// Searches of the sheet for where it comes near to itself.
+    pub layer_searches: u64,
+    /// Pairs of its features that they found near.
+    pub layer_pairs: u64,
 }
 
 /// Read-only outcome of a step.
@@ -65,6 +69,14 @@ pub struct StepReport {
     pub deepest_penetration: f64,
     /// Contacts carrying force.
     pub contacts: u64,
+    /// Places where layers of the sheet touch.
+    pub layer_contacts: u64,
+    /// Distance of the nearest layers' middle surfaces \[m\], or the thickness if none are nearer.
+    pub layer_gap: f64,
+    /// Edges of the sheet that pass through its faces.
+    pub crossings: u64,
+    /// Terms that the scene leaves out and should not.
+    pub neglected: Vec<&'static str>,
     /// 64-bit digest of the state.
     pub digest: u64,
     /// Readings named in the scene, in its order \[m\].

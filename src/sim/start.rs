@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::air::Breeze;
 use super::kernel::{Kernel, Lanes, add, lanes, vector};
+use super::layers::LayerTouch;
 use super::model::Model;
 use super::slopes::SlopeSolver;
 use super::state::{History, Ledger, State};
@@ -25,6 +26,7 @@ pub fn start(model: &Model) -> (State, Touch) {
         air: model.air(),
         history: History::default(),
         bonds: vec![],
+        layer_bonds: vec![],
         ledger: Ledger::default(),
     };
     let touch = Touch::of(model, &state, None);
@@ -33,6 +35,12 @@ pub fn start(model: &Model) -> (State, Touch) {
     Kernel::new(model).add_forces(&in_lanes, &mut forces);
     if let Some(law) = &model.contact {
         for (v, push) in touch.pushes(model, law, &state.positions) {
+            forces[v as usize] = add(forces[v as usize], lanes(&push));
+        }
+    }
+    if let Some(law) = &model.layers {
+        let layers = LayerTouch::of(model, &state);
+        for (v, push) in layers.pushes(law, &state.positions) {
             forces[v as usize] = add(forces[v as usize], lanes(&push));
         }
     }

@@ -26,6 +26,8 @@ pub struct State {
     pub history: History,
     /// Frictional bonds, sorted by key.
     pub bonds: Vec<Memory>,
+    /// Frictional bonds of layer on layer, sorted by key.
+    pub layer_bonds: Vec<Memory>,
     /// What the sheet has exchanged with the world; no step depends on it, but a report does.
     pub ledger: Ledger,
 }
@@ -68,7 +70,7 @@ impl History {
 /// What a frictional bond remembers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Memory {
-    /// Identity of the proximity.
+    /// Identity of the proximity or pair.
     pub key: u64,
     /// Elastic tangential offset \[m\].
     pub offset: Vector3<f64>,

@@ -14,6 +14,8 @@ use crate::math::newton::{Limits, OVERSHOOT};
 const FAR: f64 = 1e6;
 /// Smallest part of a step that is tried: 1/64.
 const TICKS: u32 = 64;
+/// How often the substeps of the explicit scheme are halved where layers meet.
+const MOST_HALVINGS: u64 = 6;
 
 /// A step that could not be taken.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -169,10 +171,30 @@ pub fn explicit_step(
     report: &mut StepReport,
 ) -> Result<Touch, Diverged> {
     let substep = explicit.substep(model, state, substep, report.dt);
-    let parts = (report.dt / substep).ceil().max(1.0) as u64;
-    let dt = report.dt / parts as f64;
+    let mut parts = (report.dt / substep).ceil().max(1.0) as u64;
     let before = state.step;
-    let touch = explicit.advance(model, state, dt, parts);
+    let start = model.layers.map(|_| state.clone());
+    let mut touch = explicit.advance(model, state, report.dt / parts as f64, parts);
+    // Layers that meet hard need shorter substeps.
+    while let (Some(start), None) = (&start, explicit.layer_work()) {
+        report.work.rejected += 1;
+        parts *= 2;
+        state.clone_from(start);
+        if report.work.rejected > MOST_HALVINGS {
+            return Err(failure(
+                model,
+                state,
+                (f64::INFINITY, 0),
+                "layers of cloth meet too hard; try a smaller method.dt or a finer mesh".into(),
+            ));
+        }
+        touch = explicit.advance(model, state, report.dt / parts as f64, parts);
+    }
+    let dt = report.dt / parts as f64;
+    if let (Some(_), Some(work)) = (&start, explicit.layer_work()) {
+        report.work.layer_searches = work.layer_searches;
+        report.work.layer_pairs = work.layer_pairs;
+    }
     report.work.substeps = parts;
     let lost = state
         .positions

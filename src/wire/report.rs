@@ -32,7 +32,10 @@ pub fn report(model: &sim::Model, report: &sim::StepReport, counters: &Counters)
         deepest_penetration: report.deepest_penetration,
         contacts: report.contacts,
         digest: report.digest,
-        neglect_flags: vec![],
+        layer_contacts: report.layer_contacts,
+        layer_gap: report.layer_gap,
+        crossings: report.crossings,
+        neglect_flags: report.neglected.iter().map(ToString::to_string).collect(),
         reading_names: model.scene.observe.keys().cloned().collect(),
         reading_values: report.readings.clone(),
         overruns: counters.overruns,
@@ -64,5 +67,7 @@ fn work(w: &sim::Work) -> Work {
         factorisations: w.factorisations,
         solves: w.solves,
         halvings: w.halvings,
+        layer_searches: w.layer_searches,
+        layer_pairs: w.layer_pairs,
     }
 }

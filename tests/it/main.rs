@@ -30,6 +30,7 @@ mod lab_measure;
 mod lab_modes;
 mod lab_scenes;
 mod lab_verify;
+mod layers;
 mod messages;
 mod needs;
 mod order;

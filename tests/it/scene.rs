@@ -186,6 +186,9 @@ region = { min = [-1.0, -1.0, -1.0], max = [1.0, 1.0, 1.0] }
 rise = 0.1
 start = 0.2
 hold = 0.3
+[layers]
+friction = 0.25
+thickness = 2e-3
 [perturbation]
 amplitude = 1e-4
 seed = 9223372036854775807

@@ -9,6 +9,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::folds::Folds;
 use super::impulse::{self, brake};
 use super::stable::{
     Limits, MARGIN, largest_frequency, layers, quickest, rotary_inertia, slope_stiffness,
@@ -21,6 +22,7 @@ use crate::physics::{Load, Potential};
 use crate::sim::air::Breeze;
 use crate::sim::kernel::{Kernel, Lanes, add, dot, lanes, scale, vector};
 use crate::sim::model::Model;
+use crate::sim::report::Work;
 use crate::sim::state::State;
 use crate::sim::touch::Touch;
 
@@ -47,6 +49,7 @@ pub struct Explicit {
     /// Positions \[m\], up to date at the vertices of `nearby`, shape \[vertices\].
     positions: Vec<Vector3<f64>>,
     touch: Touch,
+    folds: Folds,
 }
 
 impl Explicit {
@@ -87,6 +90,7 @@ impl Explicit {
             allowance: 0.0,
             positions: nodes[..vertices].to_vec(),
             touch: Touch::default(),
+            folds: Folds::default(),
         }
     }
 
@@ -95,12 +99,27 @@ impl Explicit {
         self.limits.under(model, 1)
     }
 
-    /// The substep for a step of `span` from `state` \[s\]: the wanted one, or less where obstacles meet.
+    /// The substep for a step of `span` from `state` \[s\]: the wanted one, or less where obstacles or layers meet.
     pub fn substep(&mut self, model: &Model, state: &State, wanted: f64, span: f64) -> f64 {
-        match layers(model, state, span) {
+        let layers = layers(model, state, span);
+        let limit = self.limits.under(model, layers);
+        let wanted = match layers {
             1 => wanted,
-            layers => wanted.min(SAFETY * self.limits.under(model, layers)),
+            _ => wanted.min(SAFETY * limit),
+        };
+        match &model.layers {
+            None => wanted,
+            Some(law) => {
+                let sheet = (&state.positions[..], &self.inverse_mass[..]);
+                self.folds.substep(model, law, sheet, (wanted, limit))
+            }
         }
+    }
+
+    /// What contact of the sheet with itself took in the last run of substeps; `None` if they were too long for it, and
+    /// the state that they led to must not be kept.
+    pub fn layer_work(&self) -> Option<Work> {
+        (!self.folds.tripped()).then(|| self.folds.work())
     }
 
     /// Takes `count` substeps of `dt` and returns the contacts at the end.
@@ -128,6 +147,10 @@ impl Explicit {
         let breeze = Breeze::of(model, state);
         let mut forces = vec![[0.0; 4]; nodes.len()];
         let mut before_last = vec![];
+        if model.layers.is_some() {
+            let limit = self.limits.under(model, 1);
+            self.folds.begin(model, (&nodes, &rates), dt, limit);
+        }
         for substep in 0..count {
             let fastest = drift(&mut nodes, &rates, dt, vertices);
             forces.copy_from_slice(&self.weight);
@@ -135,6 +158,14 @@ impl Explicit {
             if model.contact.is_some() {
                 let motion = (fastest, dt);
                 self.contact(model, state, &nodes, motion, &mut forces);
+            }
+            if let Some(law) = &model.layers {
+                let step = (dt, &self.inverse_mass[..]);
+                let moving = (&nodes[..], &rates[..]);
+                self.folds.push(model, law, moving, step, &mut forces);
+                if self.folds.tripped() {
+                    return Touch::default();
+                }
             }
             if substep + 1 == count {
                 before_last.clone_from(&rates);
@@ -154,6 +185,11 @@ impl Explicit {
                 state.ledger.friction += taken.friction;
                 state.ledger.damping += taken.contact;
                 state.ledger.supports += taken.work;
+            }
+            if let Some(law) = &model.layers {
+                let rubbed = self.folds.rub(law, &self.inverse_mass, &mut rates, dt);
+                state.ledger.friction += rubbed.friction;
+                state.ledger.damping += rubbed.contact;
             }
         }
         // The half-step velocities around the end give velocity and acceleration there; the next run of substeps

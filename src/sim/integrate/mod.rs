@@ -8,6 +8,7 @@
 mod backward_euler;
 mod bdf2;
 pub mod explicit;
+mod folds;
 mod generalised_alpha;
 mod gradient_flow;
 mod impulse;

@@ -23,6 +23,7 @@ fn at(x: f64, v: f64, a: f64, before: [f64; 2], dt: f64) -> State {
             accelerations: along(a),
         },
         bonds: vec![],
+        layer_bonds: vec![],
         ledger: Ledger::default(),
     }
 }

@@ -1,0 +1,114 @@
+//! The sheet against itself: what starts apart stays apart, and what a scene leaves out is told.
+
+use toile::contact::layers::crossings;
+use toile::scene::Scene;
+use toile::sim::{Energies, Simulation};
+
+use crate::lab::{built_in, simulation};
+
+/// Edges through faces, among all pairs of faces whose boxes overlap.
+pub fn crossed(simulation: &Simulation) -> usize {
+    let (mesh, positions) = (&simulation.model().mesh, &simulation.state().positions);
+    let bounds = |f: u32| {
+        let [a, b, c] = mesh.faces[f as usize].map(|v| positions[v as usize]);
+        (a.inf(&b).inf(&c), a.sup(&b).sup(&c))
+    };
+    let all: Vec<_> = (0..mesh.faces.len() as u32).map(bounds).collect();
+    let overlap = |f: u32, g: u32| {
+        let ((low, high), (other_low, other_high)) = (all[f as usize], all[g as usize]);
+        (0..3).all(|k| low[k] <= other_high[k] && other_low[k] <= high[k])
+    };
+    let count = all.len() as u32;
+    let pairs = (0..count).flat_map(|f| (f + 1..count).map(move |g| [f, g]));
+    crossings(mesh, positions, pairs.filter(|[f, g]| overlap(*f, *g))).len()
+}
+
+/// All that the ledger holds \[J\].
+pub fn total(e: &Energies) -> f64 {
+    e.kinetic + e.stretch + e.bend + e.gravity + e.contact + e.damping + e.friction
+        - e.supports
+        - e.air
+}
+
+pub fn held(set: &[&str]) -> Scene {
+    let mut all = vec!["sheet.triangles=500", "duration=0.6"];
+    all.extend(set);
+    built_in("held-point", &all)
+}
+
+/// The paper's Fig. 9: with layers nothing crosses, the ledger closes, no strain runs away, at two outer steps and two
+/// meshes.
+#[test]
+fn a_held_square_does_not_cross_itself() {
+    for (triangles, dt) in [(500, 1.0 / 60.0), (500, 1.0 / 240.0), (1000, 1.0 / 60.0)] {
+        let triangles = format!("sheet.triangles={triangles}");
+        let dt = format!("method.dt={dt}");
+        let name = format!("{triangles}, {dt}");
+        let mut simulation = simulation(&held(&["output.rate=50", &triangles, &dt]));
+        let (start, mut touched, mut strain, mut scale) =
+            (total(&simulation.report().energies), 0, 0.0f64, 0.0f64);
+        for step in 0..simulation.model().scene.steps() {
+            let report = simulation
+                .step()
+                .unwrap_or_else(|e| panic!("{name}: {e}"))
+                .clone();
+            touched += report.layer_contacts;
+            strain = strain.max(report.largest_strain);
+            scale = scale.max(-report.energies.gravity);
+            assert_eq!(report.crossings, 0, "{name}, step {step}");
+            let off = (total(&report.energies) - start).abs();
+            assert!(
+                off < 0.02 * scale + 1e-6,
+                "{name}, step {step}: the ledger is off by {off}"
+            );
+            if step % 4 == 0 {
+                assert_eq!(crossed(&simulation), 0, "{name}, step {step}");
+            }
+        }
+        assert!(touched > 100, "{name}: {touched} contacts");
+        assert!(strain < 0.1, "{name}: strain {strain}");
+        assert!(simulation.report().neglected.is_empty());
+    }
+}
+
+/// Without layers the same square passes through itself, and every report from then on says that it should not.
+#[test]
+fn leaving_layers_out_is_told() {
+    let mut scene = held(&[]);
+    scene.layers = None;
+    let mut simulation = simulation(&scene);
+    let mut told = None;
+    for step in 0..simulation.model().scene.steps() {
+        let report = simulation.step().unwrap().clone();
+        let flagged = report.neglected == ["layers"];
+        assert!(flagged || report.neglected.is_empty());
+        if flagged && told.is_none() {
+            told = Some(step);
+        }
+        assert!(
+            flagged || crossed(&simulation) == 0,
+            "step {step}: crossed, not told"
+        );
+    }
+    assert!(
+        told.is_some_and(|step| step > 5),
+        "{told:?}: told from the start, or never"
+    );
+    assert!(crossed(&simulation) > 0, "the scene does not cross itself");
+}
+
+/// A run with layers goes on from a kept state with the same bits.
+#[test]
+fn layers_resume_with_the_same_bits() {
+    let scene = held(&["layers={ friction = 0.4 }"]);
+    let mut whole = simulation(&scene);
+    for _ in 0..40 {
+        whole.step().unwrap();
+    }
+    assert!(whole.report().layer_contacts > 0);
+    let mut resumed = simulation(&scene);
+    resumed.resume(whole.state().clone()).unwrap();
+    for _ in 0..3 {
+        assert_eq!(whole.step().unwrap(), resumed.step().unwrap());
+    }
+}
