@@ -1,6 +1,7 @@
 //! Newton's method with a sparse Cholesky step and a line search on the directional derivative.
 
 use super::cholesky::Cholesky;
+use super::sparse::Pattern;
 
 /// A system of equations r(z) = 0 whose Jacobian is symmetric.
 pub trait Problem {
@@ -11,6 +12,14 @@ pub trait Problem {
     /// Writes the lower triangle of the Jacobian at the z of the last call to `residual`; with `projected`,
     /// of a positive semidefinite stand-in.
     fn tangent(&mut self, projection: f64, values: &mut [f64]);
+    /// The pattern of the Jacobian, if it has grown since it was last asked for.
+    fn grown(&mut self) -> Option<Pattern> {
+        None
+    }
+    /// How much of a step from `z` may be tried, 0 to 1.
+    fn longest(&mut self, _z: &[f64], _step: &[f64]) -> f64 {
+        1.0
+    }
 }
 
 /// When to stop.
@@ -61,6 +70,8 @@ impl Scratch {
 
 /// Least share of projection that is tried.
 const LEAST_PROJECTION: f64 = 1.0 / 64.0;
+/// Least part of a step that is worth trying.
+const SHORTEST: f64 = 1e-4;
 /// Most halvings of one step.
 const HALVINGS: usize = 12;
 /// The usual [`Limits::overshoot`]: a step must not end much further up than it began downhill.
@@ -111,6 +122,10 @@ fn factorise(
     scratch: &mut Scratch,
     outcome: &mut Outcome,
 ) -> bool {
+    if let Some(pattern) = problem.grown() {
+        *cholesky = Cholesky::reordered(pattern);
+        scratch.values.resize(cholesky.pattern().entries(), 0.0);
+    }
     loop {
         problem.tangent(scratch.projection, &mut scratch.values);
         outcome.factorisations += 1;
@@ -141,7 +156,10 @@ fn line_search(
     if !slope.is_finite() || slope >= 0.0 {
         return false;
     }
-    let mut length = 1.0;
+    let mut length = problem.longest(z, &scratch.step);
+    if length < SHORTEST {
+        return false;
+    }
     for _ in 0..=HALVINGS {
         for ((trial, z), step) in scratch.trial.iter_mut().zip(&*z).zip(&scratch.step) {
             *trial = z + length * step;

@@ -4,12 +4,15 @@ use nalgebra::Vector3;
 
 use super::air::Breeze;
 use super::assembly::{Assembly, pick};
-use super::integrate::{Map, Rule};
+use super::integrate::{Map, Rule, extrapolate};
+use super::layers::LayerTouch;
 use super::model::Model;
-use super::state::State;
+use super::near::Near;
+use super::state::{Memory, State};
 use super::touch::{Before, Touch};
 use crate::math::cholesky::Cholesky;
 use crate::math::newton::{Limits, Outcome, Problem, Scratch, newton};
+use crate::math::sparse::Pattern;
 use crate::physics::drag::Drag;
 use crate::physics::{Load, Potential};
 
@@ -22,6 +25,9 @@ pub struct Implicit {
     nodes: Vec<Vector3<f64>>,
     forces: Vec<Vector3<f64>>,
     stresses: Vec<Vector3<f64>>,
+    near: Near,
+    /// Whether the tangent has to make room for the layers of the present step.
+    fresh: bool,
 }
 
 /// A solved step, not yet taken.
@@ -32,6 +38,8 @@ pub struct Solved {
     pub nodes: Vec<Vector3<f64>>,
     /// Contacts there.
     pub touch: Touch,
+    /// Layers that touch there.
+    pub layers: LayerTouch,
     /// What Newton did.
     pub outcome: Outcome,
     /// Vertex with the largest residual force.
@@ -50,6 +58,8 @@ impl Implicit {
             nodes: vec![],
             forces: vec![],
             stresses: vec![],
+            near: Near::default(),
+            fresh: true,
         }
     }
 
@@ -57,6 +67,26 @@ impl Implicit {
     pub fn forget(&mut self) {
         self.scratch.forget();
         self.stresses.clear();
+        self.near.forget();
+        self.fresh = true;
+    }
+
+    /// Makes room in the tangent for layers near each other in a state, which begins a step.
+    fn make_room(&mut self, model: &Model, positions: &[Vector3<f64>]) {
+        if model.layers.is_none() || !std::mem::take(&mut self.fresh) {
+            return;
+        }
+        if self.near.fit(model, positions, &mut self.assembly) {
+            self.analyse();
+        }
+    }
+
+    fn analyse(&mut self) {
+        let pattern = self.assembly.pattern().clone();
+        self.cholesky = match self.assembly.couples().is_empty() {
+            true => Cholesky::new(pattern),
+            false => Cholesky::reordered(pattern),
+        };
     }
 
     /// Factorises the exact second derivative of the energy at a state, plus `shift` times the mass \[1/s²\]; says
@@ -74,11 +104,27 @@ impl Implicit {
             model.stretch.linearised_stress(f, &x, &x)
         };
         let stresses: Vec<_> = (0..model.stretch.count()).map(stress).collect();
+        let layers = LayerTouch::of(model, state);
+        if let Some(law) = &model.layers {
+            let start = (&state.positions[..], &state.layer_bonds[..]);
+            let mut touch = LayerTouch::default();
+            self.near
+                .find(model, law, &state.positions, start, &mut touch);
+            if self.near.widen(model, &touch, &mut self.assembly) {
+                self.analyse();
+            }
+        }
         let mut values = vec![0.0; self.assembly.pattern().entries()];
         self.assembly
             .tangent(model, &nodes, &stresses, (shift, 0.0), 0.0, &mut values);
         if let Some(law) = &model.contact {
             touch.tangent(model, law, &nodes, 0.0, &self.assembly, &mut values);
+        }
+        if let Some(law) = &model.layers {
+            let assembly = &self.assembly;
+            layers.tangent(law, &nodes, 0.0, |stencil, hessian| {
+                assembly.add_pair(&model.dofs, stencil, hessian, &mut values);
+            });
         }
         self.cholesky.factorise(&values).is_ok()
     }
@@ -110,7 +156,15 @@ impl Implicit {
         for obstacle in &mut touch.obstacles {
             obstacle.advance(map.fraction * dt);
         }
+        self.make_room(model, &state.positions);
         self.nodes = predict(model, state, rule, map.fraction * dt);
+        if model.layers.is_some() {
+            let vertices = model.masses.len();
+            let guess = &mut self.nodes[..vertices];
+            let share = self.near.safe(model, &state.positions, guess);
+            let places = guess.iter_mut().zip(&state.positions);
+            places.for_each(|(place, start)| *place = start + (*place - start) * share);
+        }
         self.forces.resize(self.nodes.len(), Vector3::zeros());
         model.dofs.gather(&self.nodes, &mut self.z);
         let start = state.nodes();
@@ -131,6 +185,10 @@ impl Implicit {
                 obstacles: &state.obstacles,
                 bonds: &state.bonds,
             },
+            layer_bonds: &state.layer_bonds,
+            layers: LayerTouch::default(),
+            near: &mut self.near,
+            trial: vec![],
             map: &map,
             assembly: &mut self.assembly,
             velocities: vec![Vector3::zeros(); model.masses.len()],
@@ -139,7 +197,7 @@ impl Implicit {
             nodes: &mut self.nodes,
             forces: &mut self.forces,
         };
-        let outcome = newton(
+        let mut outcome = newton(
             &mut problem,
             &mut self.cholesky,
             &mut self.z,
@@ -150,11 +208,19 @@ impl Implicit {
         let mut r = vec![0.0; model.dofs.size];
         problem.residual(&self.z, &mut r);
         let worst = problem.worst();
-        let touch = problem.touch;
+        let (touch, layers) = (problem.touch, problem.layers);
+        if model.layers.is_some() && map.fraction < 1.0 {
+            // The way from where the forces are taken to the end of the step.
+            let end = extrapolate(&start, &self.nodes, map.fraction);
+            let vertices = model.masses.len();
+            let way = (&self.nodes[..vertices], &end[..vertices]);
+            outcome.converged &= self.near.safe(model, way.0, way.1) == 1.0;
+        }
         Solved {
             nodes: self.nodes.clone(),
             map,
             touch,
+            layers,
             outcome,
             worst,
         }
@@ -177,6 +243,11 @@ fn predict(model: &Model, state: &State, rule: Rule, dt: f64) -> Vec<Vector3<f64
 struct StepProblem<'a> {
     model: &'a Model,
     before: Before<'a>,
+    layer_bonds: &'a [Memory],
+    layers: LayerTouch,
+    near: &'a mut Near,
+    /// Nodes of a step that is considered.
+    trial: Vec<Vector3<f64>>,
     map: &'a Map,
     assembly: &'a mut Assembly,
     touch: Touch,
@@ -216,6 +287,15 @@ impl StepProblem<'_> {
             self.touch.find(model, law, positions, None);
             self.touch.bind(model, law, &self.before);
             for (v, push) in self.touch.pushes(model, law, self.nodes) {
+                self.forces[v as usize] -= push;
+            }
+        }
+        if let Some(law) = &model.layers {
+            let positions = &self.nodes[..model.masses.len()];
+            let start = (self.before.positions, self.layer_bonds);
+            self.near
+                .find(model, law, positions, start, &mut self.layers);
+            for (v, push) in self.layers.pushes(law, self.nodes) {
                 self.forces[v as usize] -= push;
             }
         }
@@ -264,6 +344,27 @@ impl Problem for StepProblem<'_> {
         self.iterate.copy_from_slice(self.nodes);
     }
 
+    fn grown(&mut self) -> Option<Pattern> {
+        self.model.layers?;
+        let grown = self.near.widen(self.model, &self.layers, self.assembly);
+        grown.then(|| self.assembly.pattern().clone())
+    }
+
+    fn longest(&mut self, z: &[f64], step: &[f64]) -> f64 {
+        if self.model.layers.is_none() {
+            return 1.0;
+        }
+        let vertices = self.model.masses.len();
+        let end: Vec<f64> = z.iter().zip(step).map(|(z, step)| z + step).collect();
+        self.trial.clone_from(self.nodes);
+        self.model.dofs.scatter(&end, &mut self.trial);
+        self.near.safe(
+            self.model,
+            &self.iterate[..vertices],
+            &self.trial[..vertices],
+        )
+    }
+
     fn tangent(&mut self, projection: f64, values: &mut [f64]) {
         let weights = (self.map.alpha_a, self.map.alpha_v);
         self.assembly.tangent(
@@ -284,6 +385,13 @@ impl Problem for StepProblem<'_> {
                 let scaled = matrix.map(|row| row.map(|block| block * -self.map.alpha_v));
                 self.assembly.add_face(s as u32, &scaled, values);
             }
+        }
+        if let Some(law) = &self.model.layers {
+            let (assembly, dofs) = (&*self.assembly, &self.model.dofs);
+            self.layers
+                .tangent(law, self.nodes, projection, |stencil, hessian| {
+                    assembly.add_pair(dofs, stencil, hessian, values);
+                });
         }
         if let Some(law) = &self.model.contact {
             self.touch.tangent(

@@ -15,6 +15,7 @@ mod kernel;
 mod layers;
 mod measure;
 mod model;
+mod near;
 mod report;
 mod resume;
 mod simulation;

@@ -123,10 +123,12 @@ fn advance(
 /// Takes the state to the end of a solved step; returns the energy that slip took out \[J\].
 pub fn take(state: &mut State, rule: Rule, solved: &Solved, dt: f64) -> f64 {
     let (bonds, slipped) = solved.touch.settle(&solved.nodes);
+    let (layer_bonds, rubbed) = solved.layers.settle(&solved.nodes);
     rule.advance(state, &solved.map, &solved.nodes, dt);
     state.bonds = bonds;
+    state.layer_bonds = layer_bonds;
     state.obstacles.iter_mut().for_each(|o| o.advance(dt));
-    slipped
+    slipped + rubbed
 }
 
 /// The step that failed, with where it was worst.

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::detect::{Scratch, edge_pair, vertex_pairs};
-use super::fit::{Fit, closer, features};
+use super::fit::{Fit, closer, features, nodes};
 use super::{Pair, Tiles};
 use crate::sheet::Mesh;
 
@@ -119,6 +119,20 @@ impl Candidates {
             *wake = self.travel + distance - reach;
             self.nearest = self.nearest.min(distance);
         }
+    }
+
+    /// Forgets how far apart the features were when they were last looked at.
+    pub fn look_at_all(&mut self) {
+        self.travel = 0.0;
+        self.features.iter_mut().for_each(|(wake, _)| *wake = 0.0);
+    }
+
+    /// The vertices of each pair of features.
+    pub fn nodes(&self, mesh: &Mesh) -> impl Iterator<Item = [u32; 4]> {
+        let kinds = self.found.iter().enumerate();
+        kinds.flat_map(move |(kind, list)| {
+            list.iter().map(move |&pair| nodes(mesh, kind == 1, pair))
+        })
     }
 
     /// Whether any pair may touch before it is collected anew.

@@ -117,7 +117,7 @@ fn affine(alpha: f64, x: &[Vector3<f64>], b: &[Vector3<f64>]) -> Vec<Vector3<f64
 
 /// From the start and a point inside the step to its end. Slopes may be carried too: they are a linear function
 /// of the positions.
-fn extrapolate(
+pub fn extrapolate(
     start: &[Vector3<f64>],
     inside: &[Vector3<f64>],
     fraction: f64,
