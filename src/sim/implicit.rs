@@ -36,6 +36,8 @@ pub struct Solved {
     pub outcome: Outcome,
     /// Vertex with the largest residual force.
     pub worst: usize,
+    /// Work of moving supports up to those nodes \[J\].
+    pub support_work: f64,
 }
 
 impl Implicit {
@@ -107,10 +109,12 @@ impl Implicit {
             obstacles: state.obstacles.clone(),
             ..Touch::default()
         };
-        for obstacle in &mut touch.obstacles {
-            obstacle.advance(map.fraction * dt);
-        }
+        let time = model.script_time(state) + moment;
+        model.move_obstacles(&mut touch.obstacles, time, map.fraction * dt);
         self.nodes = predict(model, state, rule, map.fraction * dt);
+        if rule != Rule::GradientFlow {
+            model.place_supports(&mut self.nodes, time);
+        }
         self.forces.resize(self.nodes.len(), Vector3::zeros());
         model.dofs.gather(&self.nodes, &mut self.z);
         let start = state.nodes();
@@ -150,6 +154,7 @@ impl Implicit {
         let mut r = vec![0.0; model.dofs.size];
         problem.residual(&self.z, &mut r);
         let worst = problem.worst();
+        let support_work = problem.work_of_supports(&start);
         let touch = problem.touch;
         Solved {
             nodes: self.nodes.clone(),
@@ -157,6 +162,7 @@ impl Implicit {
             touch,
             outcome,
             worst,
+            support_work,
         }
     }
 }
@@ -219,6 +225,22 @@ impl StepProblem<'_> {
                 self.forces[v as usize] -= push;
             }
         }
+    }
+
+    /// Work of the forces that moving supports bear, from the nodes at the start of the step to the present ones \[J\].
+    fn work_of_supports(&self, start: &[Vector3<f64>]) -> f64 {
+        let carried = self.model.carried.iter();
+        carried
+            .flat_map(|carried| carried.held())
+            .map(|(n, axes)| {
+                let moved = self.nodes[n] - start[n];
+                let along = |axis: &usize| axes[*axis];
+                (0..3)
+                    .filter(along)
+                    .map(|axis| self.forces[n][axis] * moved[axis])
+                    .sum::<f64>()
+            })
+            .sum()
     }
 
     /// Residual force of a node on its free components \[N\].

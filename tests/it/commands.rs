@@ -29,8 +29,8 @@ pub fn plate(name: &str, top: f64, friction: f64) -> Obstacle {
             size: [0.3, 0.3, 0.02],
         },
         pose: Pose::translation(0.0, 0.0, top - 0.01),
-        velocity: Velocity::default(),
         friction,
+        ..Obstacle::default()
     }
 }
 
@@ -202,6 +202,7 @@ fn a_reset_run_is_the_same_again() {
         assert_eq!(second.time, 2.0 * report.time);
         again.step = first.step;
         again.air.since = first.air.since;
+        again.began = first.began;
         assert_eq!(again.digest(), first.digest(), "{scheme:?}");
         assert_eq!(second.energies, report.energies, "{scheme:?}");
     }

@@ -10,6 +10,7 @@ mod bdf2;
 pub mod explicit;
 mod generalised_alpha;
 mod gradient_flow;
+mod held;
 mod impulse;
 mod stable;
 #[cfg(test)]
