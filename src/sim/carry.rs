@@ -105,9 +105,15 @@ impl Carried {
 }
 
 impl Model {
-    /// Time since the start of the run, or its last reset \[s\].
-    pub fn script_time(&self, state: &State) -> f64 {
-        (state.step - state.began) as f64 * self.scene.method.dt
+    /// Time since the start of the run, or its last reset, at a time `within` the step that comes \[s\].
+    pub fn script_time(&self, state: &State, within: f64) -> f64 {
+        let (steps, dt) = (state.step - state.began, self.scene.method.dt);
+        // The end of a step is the start of the next to the last bit.
+        if within == dt {
+            (steps + 1) as f64 * dt
+        } else {
+            steps as f64 * dt + within
+        }
     }
 
     /// Moves obstacles on by `dt`, to a time since the start of the run \[s\].
@@ -128,7 +134,8 @@ impl Model {
         }
     }
 
-    /// The same for positions, slopes and velocities of a state; slopes of implicit schemes have no rates.
+    /// The same for positions, slopes and velocities of a state; slopes of implicit schemes have no rates. What is held
+    /// needs no past, since it comes from the motion.
     pub fn hold(&self, state: &mut State, time: f64) {
         let vertices = state.positions.len();
         for held in self.carried.iter().flat_map(|carried| carried.at(time)) {
@@ -136,10 +143,26 @@ impl Model {
                 None => {
                     set(&mut state.positions[held.node], &held.value, held.axes);
                     set(&mut state.velocities[held.node], &held.rate, held.axes);
+                    if let Some(past) = state.history.accelerations.get_mut(held.node) {
+                        set(past, &Vector3::zeros(), held.axes);
+                    }
                 }
                 Some(edge) => state.slopes[edge] = held.value,
             }
         }
+    }
+
+    /// Kinetic energy of what moving supports hold \[J\].
+    pub fn held_kinetic(&self, state: &State) -> f64 {
+        let held = self.carried.iter().flat_map(Carried::held);
+        let vertices = held.filter(|(node, _)| *node < state.positions.len());
+        let energy = |(node, axes): (usize, [bool; 3])| {
+            let velocity = state.velocities[node];
+            let axes = (0..3).filter(|&axis| axes[axis]);
+            let square: f64 = axes.map(|axis| velocity[axis] * velocity[axis]).sum();
+            0.5 * self.masses[node] * square
+        };
+        vertices.map(energy).sum()
     }
 }
 

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::air::Breeze;
 use super::assembly::{Assembly, pick};
+use super::carry::Prescribed;
 use super::integrate::{Map, Rule};
 use super::model::Model;
 use super::state::State;
@@ -36,7 +37,7 @@ pub struct Solved {
     pub outcome: Outcome,
     /// Vertex with the largest residual force.
     pub worst: usize,
-    /// Work of moving supports up to those nodes \[J\].
+    /// Work of moving supports to the end of the step, but for the inertia of what they hold \[J\].
     pub support_work: f64,
 }
 
@@ -109,7 +110,7 @@ impl Implicit {
             obstacles: state.obstacles.clone(),
             ..Touch::default()
         };
-        let time = model.script_time(state) + moment;
+        let time = model.script_time(state, moment);
         model.move_obstacles(&mut touch.obstacles, time, map.fraction * dt);
         self.nodes = predict(model, state, rule, map.fraction * dt);
         if rule != Rule::GradientFlow {
@@ -154,7 +155,8 @@ impl Implicit {
         let mut r = vec![0.0; model.dofs.size];
         problem.residual(&self.z, &mut r);
         let worst = problem.worst();
-        let support_work = problem.work_of_supports(&start);
+        let end = model.script_time(state, within + dt);
+        let support_work = problem.work_of_supports(&start, end);
         let touch = problem.touch;
         Solved {
             nodes: self.nodes.clone(),
@@ -227,20 +229,22 @@ impl StepProblem<'_> {
         }
     }
 
-    /// Work of the forces that moving supports bear, from the nodes at the start of the step to the present ones \[J\].
-    fn work_of_supports(&self, start: &[Vector3<f64>]) -> f64 {
+    /// Work of moving supports from the nodes at the start of the step to its end, at a time since the start of the
+    /// run, but for the inertia of what they hold \[J\].
+    fn work_of_supports(&self, start: &[Vector3<f64>], end: f64) -> f64 {
         let carried = self.model.carried.iter();
-        carried
-            .flat_map(|carried| carried.held())
-            .map(|(n, axes)| {
-                let moved = self.nodes[n] - start[n];
-                let along = |axis: &usize| axes[*axis];
-                (0..3)
-                    .filter(along)
-                    .map(|axis| self.forces[n][axis] * moved[axis])
-                    .sum::<f64>()
-            })
-            .sum()
+        let work = |held: Prescribed| -> f64 {
+            let n = held.node;
+            let mut force = self.forces[n];
+            if let Some(mass) = self.model.masses.get(n) {
+                force -= (self.nodes[n] * self.map.alpha_a + self.map.b_a[n]) * *mass;
+            }
+            let along = (0..3).filter(|&axis| held.axes[axis]);
+            along
+                .map(|axis| force[axis] * (held.value[axis] - start[n][axis]))
+                .sum()
+        };
+        carried.flat_map(|carried| carried.at(end)).map(work).sum()
     }
 
     /// Residual force of a node on its free components \[N\].

@@ -257,7 +257,7 @@ fn moved(pose: Option<Pose>, velocity: Option<Velocity>) -> Command {
 
 #[test]
 fn a_rejected_command_names_field_value_and_range_and_changes_nothing() {
-    let mut simulation = simulation(&sheet(Scheme::Bdf2, &[]));
+    let mut simulation = simulation(&sheet(Scheme::Bdf2, &["overlap.rule=refuse"]));
     add(&mut simulation, plate("plate", -2.45e-4, 0.3));
     run(&mut simulation, 0.01);
     let with = |change: &dyn Fn(&mut Obstacle)| {

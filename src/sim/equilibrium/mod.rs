@@ -75,7 +75,7 @@ pub fn equilibrium_step(
     report: &mut StepReport,
 ) -> Result<(Touch, Equilibrium), Diverged> {
     let method = &model.scene.method;
-    let time = model.script_time(state) + method.dt;
+    let time = model.script_time(state, method.dt);
     model.move_obstacles(&mut state.obstacles, time, method.dt);
     model.hold(state, time);
     let rest = rest(model, solver, state, method.tolerance, method.dt)?;

@@ -9,7 +9,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::held::{kinetic_of_supports, place, prescribed, rest_supports, work_of_supports};
+use super::held::{place, prescribed, rest_supports, work_of_supports};
 use super::impulse::{self, brake};
 use super::stable::{
     Limits, MARGIN, largest_frequency, layers, quickest, rotary_inertia, slope_stiffness,
@@ -126,13 +126,16 @@ impl Explicit {
         for (rate, a) in rates.iter_mut().zip(accelerations) {
             *rate = add(*rate, scale(a, 0.5 * dt));
         }
-        let start = model.script_time(state);
-        state.ledger.supports -= kinetic_of_supports(model, state);
+        state.ledger.supports -= model.held_kinetic(state);
+        let moment = |substep: u64| match substep == count {
+            true => model.scene.method.dt,
+            false => substep as f64 * dt,
+        };
         let breeze = Breeze::of(model, state);
         let mut forces = vec![[0.0; 4]; nodes.len()];
         let mut before_last = vec![];
         for substep in 0..count {
-            let time = start + (substep + 1) as f64 * dt;
+            let time = model.script_time(state, moment(substep + 1));
             let held = prescribed(model, time, &nodes, &mut rates, dt);
             let fastest = drift(&mut nodes, &rates, dt, vertices);
             place(&held, &mut nodes);
@@ -180,9 +183,9 @@ impl Explicit {
             }
         }
         state.history.dt = dt;
-        model.hold(state, start + count as f64 * dt);
+        model.hold(state, model.script_time(state, moment(count)));
         rest_supports(model, state);
-        state.ledger.supports += kinetic_of_supports(model, state);
+        state.ledger.supports += model.held_kinetic(state);
         self.touch.clone()
     }
 

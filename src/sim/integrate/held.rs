@@ -52,19 +52,6 @@ pub fn work_of_supports(model: &Model, held: &[Prescribed], forces: &[Lanes], dt
     held.iter().map(power).sum::<f64>() * dt
 }
 
-/// Kinetic energy of what moving supports hold \[J\].
-pub fn kinetic_of_supports(model: &Model, state: &State) -> f64 {
-    let held = model.carried.iter().flat_map(|carried| carried.held());
-    let vertices = held.filter(|(node, _)| *node < state.positions.len());
-    let energy = |(node, axes): (usize, [bool; 3])| {
-        let velocity = state.velocities[node];
-        let axes = (0..3).filter(|&axis| axes[axis]);
-        let square: f64 = axes.map(|axis| velocity[axis] * velocity[axis]).sum();
-        0.5 * model.masses[node] * square
-    };
-    vertices.map(energy).sum()
-}
-
 /// Rates of what is held come from its motion, so nothing of them is kept for the next step.
 pub fn rest_supports(model: &Model, state: &mut State) {
     let vertices = state.positions.len();
