@@ -2,7 +2,7 @@ use nalgebra::{Matrix3, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use super::{Features, Nearby, Obstacle, Pose, Proximity, Shape, Velocity, detect};
+use super::{Features, Nearby, Obstacle, Pose, Proximity, Shape, detect};
 use crate::sheet::{Mesh, MeshOptions, Outline, generate};
 
 struct Chance(Pcg64);
