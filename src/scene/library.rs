@@ -22,6 +22,7 @@ const SCENES: [(&str, &str); 12] = [
         "drapemeter-resting",
         include_str!("library/drapemeter-resting.toml"),
     ),
+    ("towel-fold", include_str!("library/towel-fold.toml")),
     ("strip-release", include_str!("library/strip-release.toml")),
 ];
 

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::air::Breeze;
 use super::assembly::{Assembly, pick};
+use super::carry::Prescribed;
 use super::integrate::{Map, Rule, extrapolate};
 use super::layers::LayerTouch;
 use super::model::Model;
@@ -44,7 +45,12 @@ pub struct Solved {
     pub outcome: Outcome,
     /// Vertex with the largest residual force.
     pub worst: usize,
+    /// Work of moving supports to the end of the step, but for the inertia of what they hold \[J\].
+    pub support_work: f64,
 }
+
+/// Part of the way to where layers nearly meet that a guess goes.
+const HELD_BACK: f64 = 0.9;
 
 impl Implicit {
     /// Analyses the model's tangent once.
@@ -134,6 +140,33 @@ impl Implicit {
         self.cholesky.solve(rhs, 1);
     }
 
+    /// Draws the guess back towards where the step starts until no layers meet on the way; what is held keeps its place.
+    /// False if that alone makes them meet.
+    fn hold_back(&mut self, model: &Model, start: &[Vector3<f64>]) -> bool {
+        if model.layers.is_none() {
+            return true;
+        }
+        let guess = self.nodes[..start.len()].to_vec();
+        let mut share = self.near.safe(model, start, &guess);
+        if share == 1.0 {
+            return true;
+        }
+        share *= HELD_BACK;
+        loop {
+            for (v, (from, to)) in start.iter().zip(&guess).enumerate() {
+                let back = model.dofs.free(v, (to - from) * (1.0 - share));
+                self.nodes[v] = to - back;
+            }
+            if self.near.safe(model, start, &self.nodes[..start.len()]) == 1.0 {
+                return true;
+            }
+            if share == 0.0 {
+                return false;
+            }
+            share = 0.0;
+        }
+    }
+
     /// Solves the equations of a part of a step from `state`: it starts `within` the step and takes `dt`.
     pub fn solve(
         &mut self,
@@ -153,18 +186,14 @@ impl Implicit {
             obstacles: state.obstacles.clone(),
             ..Touch::default()
         };
-        for obstacle in &mut touch.obstacles {
-            obstacle.advance(map.fraction * dt);
-        }
+        let time = model.script_time(state, moment);
+        model.move_obstacles(&mut touch.obstacles, time, map.fraction * dt);
         self.make_room(model, &state.positions);
         self.nodes = predict(model, state, rule, map.fraction * dt);
-        if model.layers.is_some() {
-            let vertices = model.masses.len();
-            let guess = &mut self.nodes[..vertices];
-            let share = self.near.safe(model, &state.positions, guess);
-            let places = guess.iter_mut().zip(&state.positions);
-            places.for_each(|(place, start)| *place = start + (*place - start) * share);
+        if rule != Rule::GradientFlow {
+            model.place_supports(&mut self.nodes, time);
         }
+        let clear = self.hold_back(model, &state.positions);
         self.forces.resize(self.nodes.len(), Vector3::zeros());
         model.dofs.gather(&self.nodes, &mut self.z);
         let start = state.nodes();
@@ -208,7 +237,10 @@ impl Implicit {
         let mut r = vec![0.0; model.dofs.size];
         problem.residual(&self.z, &mut r);
         let worst = problem.worst();
+        let end = model.script_time(state, within + dt);
+        let support_work = problem.work_of_supports(&start, end);
         let (touch, layers) = (problem.touch, problem.layers);
+        outcome.converged &= clear;
         if model.layers.is_some() && map.fraction < 1.0 {
             // The way from where the forces are taken to the end of the step.
             let end = extrapolate(&start, &self.nodes, map.fraction);
@@ -223,6 +255,7 @@ impl Implicit {
             layers,
             outcome,
             worst,
+            support_work,
         }
     }
 }
@@ -299,6 +332,24 @@ impl StepProblem<'_> {
                 self.forces[v as usize] -= push;
             }
         }
+    }
+
+    /// Work of moving supports from the nodes at the start of the step to its end, at a time since the start of the
+    /// run, but for the inertia of what they hold \[J\].
+    fn work_of_supports(&self, start: &[Vector3<f64>], end: f64) -> f64 {
+        let carried = self.model.carried.iter();
+        let work = |held: Prescribed| -> f64 {
+            let n = held.node;
+            let mut force = self.forces[n];
+            if let Some(mass) = self.model.masses.get(n) {
+                force -= (self.nodes[n] * self.map.alpha_a + self.map.b_a[n]) * *mass;
+            }
+            let along = (0..3).filter(|&axis| held.axes[axis]);
+            along
+                .map(|axis| force[axis] * (held.value[axis] - start[n][axis]))
+                .sum()
+        };
+        carried.flat_map(|carried| carried.at(end)).map(work).sum()
     }
 
     /// Residual force of a node on its free components \[N\].

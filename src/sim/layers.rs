@@ -7,6 +7,7 @@ use super::assembly::pick;
 use super::measure::total;
 use super::model::Model;
 use super::report::StepReport;
+use super::simulation::Simulation;
 use super::state::{Memory, State};
 use crate::contact::layers::{Candidates, Pair, crossings};
 use crate::physics::layers::{LayerBond, LayerFriction, LayerLaw, Layers};
@@ -144,6 +145,36 @@ impl LayerTouch {
 fn offset(pair: &Pair, positions: &[Vector3<f64>]) -> Vector3<f64> {
     let terms = pair.nodes.iter().zip(pair.weights);
     terms.map(|(&v, w)| positions[v as usize] * w).sum()
+}
+
+/// A place where two layers touch: a vertex and a face, or two edges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LayerPoint {
+    /// Vertices of the first feature, then of the second.
+    pub vertices: [u32; 4],
+    /// Weights of their positions in the offset from the second to the first; they sum to zero.
+    pub weights: [f64; 4],
+    /// Distance of the middle surfaces \[m\].
+    pub distance: f64,
+    /// Force of the compression law on the first feature, its opposite on the second \[N\].
+    pub force: Vector3<f64>,
+}
+
+impl Simulation {
+    /// Where layers touch in the present state. Looks at all of it anew.
+    pub fn layers(&self) -> Vec<LayerPoint> {
+        let Some(law) = &self.model.layers else {
+            return vec![];
+        };
+        let touch = LayerTouch::of(&self.model, &self.state);
+        let point = |pair: &Pair| LayerPoint {
+            vertices: pair.nodes,
+            weights: pair.weights,
+            distance: pair.distance,
+            force: pair.normal * law.normal_force(pair),
+        };
+        touch.pairs.iter().map(point).collect()
+    }
 }
 
 /// Looks at the whole sheet once: how near it comes to itself, whether it crosses itself, and, where a scene leaves

@@ -3,6 +3,7 @@
 use super::assembly::pick;
 use super::layers;
 use super::model::Model;
+use super::overlap;
 use super::report::StepReport;
 use super::state::State;
 use super::touch::Touch;
@@ -23,7 +24,7 @@ pub fn measure(model: &Model, state: &State, touch: &Touch, report: &mut StepRep
     energies.air = state.ledger.air;
     if let Some(law) = &model.contact {
         energies.contact = touch.energy(model, law, &nodes);
-        report.deepest_penetration = touch.deepest(law);
+        report.deepest_penetration = overlap::deepest(model, law, state, touch);
         report.contacts = touch.proximities.len() as u64;
     }
     energies.contact += layers;

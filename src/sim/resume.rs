@@ -8,7 +8,7 @@ use super::model::Model;
 use super::simulation::Simulation;
 use super::state::{Memory, State};
 use crate::contact::layers::is_pair_of;
-use crate::contact::obstacle_of;
+use crate::contact::{Obstacle, obstacle_of};
 
 /// Why a state does not fit the simulation that should go on from it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -142,6 +142,10 @@ fn obstacles(model: &Model, state: &State) -> Result<(), Mismatch> {
         admit::obstacle(&mut obstacle.clone())?;
     }
     if !obstacles.is_sorted_by(|a, b| a.name < b.name) {
+        return Err(Mismatch::Order { field: "obstacles" });
+    }
+    let follows = |o: &Obstacle| !o.scripted || model.motions.contains_key(&o.name);
+    if !obstacles.iter().all(follows) || state.began > state.step {
         return Err(Mismatch::Order { field: "obstacles" });
     }
     let known = |key: u64| (obstacle_of(key) as usize) < obstacles.len();

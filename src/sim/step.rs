@@ -110,24 +110,37 @@ fn advance(
     let pushed = solved
         .touch
         .work_of_obstacles(model, &state.obstacles, &solved.nodes);
-    let slipped = take(state, rule, solved, dt);
+    let held = model.held_kinetic(state);
+    let slipped = take(model, state, rule, solved, (within, dt));
     let after = powers(state, within + dt);
+    let accelerated = model.held_kinetic(state) - held;
     let ledger = &mut state.ledger;
     ledger.damping += 0.5 * dt * (before[0] + after[0]);
     ledger.air += 0.5 * dt * (before[1] + after[1]);
     ledger.friction += slipped;
     // Contact acts from the start of the step to where its forces are taken, and on to the end.
-    ledger.supports += pushed / solved.map.fraction;
+    ledger.supports += pushed / solved.map.fraction + solved.support_work + accelerated;
 }
 
-/// Takes the state to the end of a solved step; returns the energy that slip took out \[J\].
-pub fn take(state: &mut State, rule: Rule, solved: &Solved, dt: f64) -> f64 {
+/// Takes the state to the end of a solved step, which starts `within` the outer one and takes `dt`; returns the energy
+/// that slip took out \[J\].
+pub fn take(
+    model: &Model,
+    state: &mut State,
+    rule: Rule,
+    solved: &Solved,
+    (within, dt): (f64, f64),
+) -> f64 {
     let (bonds, slipped) = solved.touch.settle(&solved.nodes);
     let (layer_bonds, rubbed) = solved.layers.settle(&solved.nodes);
     rule.advance(state, &solved.map, &solved.nodes, dt);
     state.bonds = bonds;
     state.layer_bonds = layer_bonds;
-    state.obstacles.iter_mut().for_each(|o| o.advance(dt));
+    if rule != Rule::GradientFlow {
+        let time = model.script_time(state, within + dt);
+        model.move_obstacles(&mut state.obstacles, time, dt);
+        model.hold(state, time);
+    }
     slipped + rubbed
 }
 

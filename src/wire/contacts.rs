@@ -88,6 +88,7 @@ fn event(phase: u8, contact: &ContactPoint) -> ContactEvent {
         normal_force: contact.normal_force,
         friction_force: wire_vector(&contact.friction_force),
         slip_velocity: wire_vector(&contact.slip_velocity),
+        overlap: contact.overlap,
     }
 }
 

@@ -72,6 +72,7 @@ fn contact(obstacle: &str, key: u64, point: [f64; 3], force: f64) -> ContactPoin
         normal_force: force,
         friction_force: Vector3::new(0.5, 0.0, 0.0),
         slip_velocity: Vector3::zeros(),
+        overlap: false,
     }
 }
 
@@ -83,6 +84,7 @@ fn obstacle(name: &str) -> Obstacle {
         pose: Pose::new(Vector3::new(1.0, 0.0, 0.0), quarter),
         velocity: Velocity::default(),
         friction: 0.0,
+        ..Obstacle::default()
     }
 }
 

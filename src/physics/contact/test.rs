@@ -40,6 +40,7 @@ fn obstacle(shape: &Shape, pose: Pose) -> Obstacle {
         pose,
         velocity: Velocity::default(),
         friction: 0.3,
+        ..Obstacle::default()
     }
 }
 

@@ -10,11 +10,12 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::folds::Folds;
+use super::held::{place, prescribed, rest_supports, work_of_supports};
 use super::impulse::{self, brake};
 use super::stable::{
     Limits, MARGIN, largest_frequency, layers, quickest, rotary_inertia, slope_stiffness,
 };
-use crate::contact::Nearby;
+use crate::contact::{Nearby, Obstacle};
 use crate::math::sparse::NO_SLOT;
 use crate::physics::contact::ContactLaw;
 use crate::physics::drag::Drag;
@@ -144,6 +145,11 @@ impl Explicit {
         for (rate, a) in rates.iter_mut().zip(accelerations) {
             *rate = add(*rate, scale(a, 0.5 * dt));
         }
+        state.ledger.supports -= model.held_kinetic(state);
+        let moment = |substep: u64| match substep == count {
+            true => model.scene.method.dt,
+            false => substep as f64 * dt,
+        };
         let breeze = Breeze::of(model, state);
         let mut forces = vec![[0.0; 4]; nodes.len()];
         let mut before_last = vec![];
@@ -152,11 +158,14 @@ impl Explicit {
             self.folds.begin(model, (&nodes, &rates), dt, limit);
         }
         for substep in 0..count {
+            let time = model.script_time(state, moment(substep + 1));
+            let held = prescribed(model, time, &nodes, &mut rates, dt);
             let fastest = drift(&mut nodes, &rates, dt, vertices);
+            place(&held, &mut nodes);
             forces.copy_from_slice(&self.weight);
             self.kernel.add_forces(&nodes, &mut forces);
             if model.contact.is_some() {
-                let motion = (fastest, dt);
+                let motion = (time, fastest, dt);
                 self.contact(model, state, &nodes, motion, &mut forces);
             }
             if let Some(law) = &model.layers {
@@ -167,6 +176,7 @@ impl Explicit {
                     return Touch::default();
                 }
             }
+            state.ledger.supports += work_of_supports(model, &held, &forces, dt);
             if substep + 1 == count {
                 before_last.clone_from(&rates);
             }
@@ -209,6 +219,9 @@ impl Explicit {
             }
         }
         state.history.dt = dt;
+        model.hold(state, model.script_time(state, moment(count)));
+        rest_supports(model, state);
+        state.ledger.supports += model.held_kinetic(state);
         self.touch.clone()
     }
 
@@ -295,31 +308,38 @@ impl Explicit {
             let change = inertia.try_inverse().unwrap_or_default() * pull * dt;
             let mean = v + change * 0.5;
             rates[n] = lanes(&(v + change));
+            // What air and damping do to a part that is held, its support bears.
+            if inverse.max() == 0.0 {
+                continue;
+            }
             put += (r * (u - mean)).dot(&mean) * dt;
-            if self.drag[n] > 0.0 && inverse.max() > 0.0 {
+            if self.drag[n] > 0.0 {
                 taken += self.drag[n] / inverse.max() * mean.norm_squared() * dt;
             }
         }
         [taken, put]
     }
 
-    /// Contact at the end of the drift.
+    /// Contact at the end of the drift, at a time since the start of the run.
     fn contact(
         &mut self,
         model: &Model,
         state: &mut State,
         nodes: &[Lanes],
-        (fastest, dt): (f64, f64),
+        (time, fastest, dt): (f64, f64, f64),
         forces: &mut [Lanes],
     ) {
         let Some(law) = &model.contact else { return };
         let start = state.obstacles.clone();
-        state.obstacles.iter_mut().for_each(|o| o.advance(dt));
-        let turns = start.iter().any(|body| body.velocity.angular.norm() > 0.0);
+        model.move_obstacles(&mut state.obstacles, time, dt);
+        let turning = |body: &Obstacle| body.scripted || body.velocity.angular.norm() > 0.0;
+        let turns = start.iter().any(turning);
         if turns {
             self.refresh_all(nodes);
         }
-        let speeds = start.iter().map(|body| quickest(body, &self.positions));
+        let speeds = start
+            .iter()
+            .map(|body| quickest(model, body, &self.positions));
         let quickest = speeds.fold(0.0, f64::max);
         self.allowance -= (fastest + quickest) * dt;
         if self.allowance < 0.0 {

@@ -128,7 +128,7 @@ fn grips(
             vertices,
             weights: near.weights,
             normal: near.distance.normal,
-            ground: obstacle.velocity_at(&at),
+            ground: obstacle.surface_velocity(&at, &near.distance.normal),
             lightness,
             friction: obstacle.friction,
             load: law.normal_force(near) * dt,

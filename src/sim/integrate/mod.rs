@@ -11,6 +11,7 @@ pub mod explicit;
 mod folds;
 mod generalised_alpha;
 mod gradient_flow;
+mod held;
 mod impulse;
 mod stable;
 #[cfg(test)]
