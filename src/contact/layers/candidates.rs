@@ -135,7 +135,7 @@ impl Candidates {
         })
     }
 
-    /// Whether any pair may touch before it is collected anew.
+    /// Whether nothing may touch before the next collection.
     pub fn is_empty(&self) -> bool {
         self.features.is_empty()
     }

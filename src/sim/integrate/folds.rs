@@ -122,7 +122,11 @@ impl Folds {
         forces: &mut [Lanes],
     ) {
         let approach = approach(rates, model.masses.len(), dt);
-        self.tripped |= approach >= self.candidates.nearest();
+        // Not finite: it is lost, and nothing can be found.
+        self.tripped |= approach.is_nan() || approach >= self.candidates.nearest();
+        if self.tripped {
+            return;
+        }
         self.find(model, nodes, approach);
         self.motions.clear();
         self.motions
