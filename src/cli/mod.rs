@@ -83,7 +83,7 @@ enum Verb {
     /// Print what a running simulation publishes.
     #[cfg(feature = "iceoryx2")]
     Watch(watch::WatchArgs),
-    /// Carry a run's channels and commands between shared memory and ROS 2; `run --ros2` starts one.
+    /// Carry a run between shared memory and ROS 2; `run --ros2` starts one.
     #[cfg(feature = "ros2")]
     Bridge(bridge::BridgeArgs),
     /// Say what physics a scene pays for, what it costs, and what it leaves out, measured.
