@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 use cpu_time::ProcessTime;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use super::progress::share_bar;
 use super::{CliError, output, source};
 use crate::chart::plot::{Caption, chart};
 use crate::chart::png_of_svg;
@@ -86,7 +86,7 @@ impl WorkPrecisionArgs {
         if let Some(reference) = kept {
             return Ok(reference);
         }
-        let bar = bar(&format!("{} reference", problem.scene.name));
+        let bar = share_bar(&format!("{} reference", problem.scene.name));
         let made = problem.make_reference(&mut |part| bar.set_position(thousandths(part)));
         bar.finish_and_clear();
         let reference = made.map_err(failed)?;
@@ -118,7 +118,7 @@ fn fill(
         .filter(|key| !rows.iter().any(|r| r.key == *key))
         .collect();
     for (key, number) in missing.iter().zip(1..) {
-        let bar = bar(&format!("{} ({number} of {})", label(key), missing.len()));
+        let bar = share_bar(&format!("{} ({number} of {})", label(key), missing.len()));
         let row = problem.run(
             key,
             reference,
@@ -170,16 +170,6 @@ fn read<T>(path: &Path, parse: impl Fn(&str) -> Result<T, String>) -> Result<Opt
     };
     let refuse = |reason| CliError::Input(format!("{}: {reason}", path.display()));
     parse(&text).map(Some).map_err(refuse)
-}
-
-/// A bar on standard error, in thousandths; nothing when that is not a terminal.
-fn bar(message: &str) -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
-    if let Ok(style) = ProgressStyle::with_template("[{bar:32}] {msg}") {
-        bar.set_style(style.progress_chars("=> "));
-    }
-    bar.set_message(message.to_string());
-    bar
 }
 
 fn thousandths(part: f64) -> u64 {

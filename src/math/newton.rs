@@ -33,8 +33,14 @@ pub struct Outcome {
     pub norm: f64,
     /// Iterations.
     pub iterations: u64,
+    /// Evaluations of the residual.
+    pub evaluations: u64,
     /// Factorisations.
     pub factorisations: u64,
+    /// Of these, those that failed: the matrix was not positive definite.
+    pub indefinite: u64,
+    /// Linear solves.
+    pub solves: u64,
     /// Line search steps beyond the first.
     pub halvings: u64,
     /// Whether the last step of the iteration was taken.
@@ -82,6 +88,7 @@ pub fn newton(
     scratch.step.resize(size, 0.0);
     scratch.values.resize(cholesky.pattern().entries(), 0.0);
     outcome.norm = problem.residual(z, &mut scratch.r);
+    outcome.evaluations += 1;
     loop {
         outcome.converged = outcome.norm <= limits.tolerance;
         if outcome.converged || outcome.iterations as usize >= limits.iterations {
@@ -96,6 +103,7 @@ pub fn newton(
             *step = -r;
         }
         cholesky.solve(&mut scratch.step, 1);
+        outcome.solves += 1;
         outcome.moved = line_search(problem, z, limits.overshoot, scratch, &mut outcome);
         if !outcome.moved {
             return outcome;
@@ -122,6 +130,7 @@ fn factorise(
             };
             return true;
         }
+        outcome.indefinite += 1;
         if scratch.projection >= 1.0 {
             return false;
         }
@@ -147,6 +156,7 @@ fn line_search(
             *trial = z + length * step;
         }
         let norm = problem.residual(&scratch.trial, &mut scratch.trial_r);
+        outcome.evaluations += 1;
         let trial_slope = dot(&scratch.trial_r, &scratch.step);
         if norm.is_finite() && trial_slope <= overshoot * slope.abs() {
             z.copy_from_slice(&scratch.trial);

@@ -93,12 +93,7 @@ impl Summary {
     pub(super) fn add(&mut self, report: &StepReport) {
         self.steps = report.step;
         self.time = report.time;
-        self.work.substeps += report.work.substeps;
-        self.work.rejected += report.work.rejected;
-        self.work.iterations += report.work.iterations;
-        self.work.factorisations += report.work.factorisations;
-        self.work.solves += report.work.solves;
-        self.work.halvings += report.work.halvings;
+        self.work += report.work;
         self.energies = report.energies;
         self.largest_strain.add(report.largest_strain);
         self.deepest_penetration.add(report.deepest_penetration);

@@ -144,16 +144,18 @@ impl Implicit {
             nodes: &mut self.nodes,
             forces: &mut self.forces,
         };
-        let outcome = newton(
+        let mut outcome = newton(
             &mut problem,
             &mut self.cholesky,
             &mut self.z,
             limits,
             &mut self.scratch,
         );
-        // The last evaluation may have been a rejected trial.
-        let mut r = vec![0.0; model.dofs.size];
-        problem.residual(&self.z, &mut r);
+        let after_a_rejected_trial = outcome.iterations > 0 && !outcome.moved;
+        if after_a_rejected_trial {
+            problem.residual(&self.z, &mut vec![0.0; model.dofs.size]);
+            outcome.evaluations += 1;
+        }
         let worst = problem.worst();
         let end = model.script_time(state, within + dt);
         let support_work = problem.work_of_supports(&start, end);

@@ -5,7 +5,7 @@ use super::implicit::{Implicit, Solved};
 use super::integrate::Rule;
 use super::integrate::explicit::Explicit;
 use super::model::Model;
-use super::report::StepReport;
+use super::report::{StepReport, Work};
 use super::state::State;
 use super::touch::Touch;
 use crate::math::newton::{Limits, OVERSHOOT};
@@ -80,11 +80,8 @@ pub fn implicit_step(
 
 fn count(solved: &Solved, report: &mut StepReport) {
     let outcome = &solved.outcome;
+    report.work += Work::of(outcome);
     report.work.substeps += u64::from(outcome.converged);
-    report.work.iterations += outcome.iterations;
-    report.work.factorisations += outcome.factorisations;
-    report.work.solves += outcome.iterations;
-    report.work.halvings += outcome.halvings;
     if outcome.converged {
         report.residual = report.residual.max(outcome.norm);
     }
@@ -187,6 +184,7 @@ pub fn explicit_step(
     let before = state.step;
     let touch = explicit.advance(model, state, dt, parts);
     report.work.substeps = parts;
+    report.work.evaluations = parts;
     let lost = state
         .positions
         .iter()

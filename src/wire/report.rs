@@ -61,7 +61,11 @@ fn work(w: &sim::Work) -> Work {
         substeps: w.substeps,
         rejected: w.rejected,
         iterations: w.iterations,
+        evaluations: w.evaluations,
         factorisations: w.factorisations,
+        indefinite: w.indefinite,
+        constant: w.constant,
+        tests: w.tests,
         solves: w.solves,
         halvings: w.halvings,
     }

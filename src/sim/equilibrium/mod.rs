@@ -113,7 +113,7 @@ fn rest(
     let mut saddles = 0;
     loop {
         let flowed = flow::flow(model, solver, state, (tolerance, within), &mut work)?;
-        let softest = minimum::softest(model, solver, state);
+        let softest = minimum::softest(model, solver, state, &mut work);
         if let Some(rate) = softest.stable() {
             state.obstacles = moving;
             state.history.restart();

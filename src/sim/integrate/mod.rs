@@ -16,6 +16,8 @@ mod stable;
 #[cfg(test)]
 mod test;
 
+pub use stable::MARGIN;
+
 use nalgebra::Vector3;
 
 use super::state::State;
