@@ -24,6 +24,7 @@ mod start;
 mod state;
 mod step;
 mod touch;
+mod travel;
 
 pub use air::Air;
 pub use command::{AirRegion, Airflow, Command, Rejected};
