@@ -26,6 +26,7 @@ mod start;
 mod state;
 mod step;
 mod touch;
+mod travel;
 
 pub use air::Air;
 pub use assembly::Assembly;

@@ -15,7 +15,7 @@ use crate::physics::damping::Damping;
 use crate::physics::gravity::Gravity;
 use crate::physics::stretch::Stretch;
 use crate::physics::support::Support;
-use crate::scene::{Axis, Region, Scene, SupportKind, Term, needs};
+use crate::scene::{Axis, Region, Scene, Scheme, SupportKind, Term, needs};
 use crate::sheet::{Mesh, MeshOptions, generate};
 
 use super::air::Air;
@@ -56,6 +56,8 @@ pub struct Model {
     pub motions: BTreeMap<String, Motion>,
     /// The contact law, if the scene has obstacles or commands may add some.
     pub contact: Option<ContactLaw>,
+    /// Length of the longest edge of the flat mesh \[m\].
+    pub longest_edge: f64,
     /// Incidence for contact detection.
     pub features: Features,
     /// Numbering of the unknowns.
@@ -98,8 +100,13 @@ impl Model {
         let supports: Vec<Support> = supports(scene, &mesh);
         let needs = needs(scene);
         let needed = |wanted| needs.iter().any(|(term, _)| *term == wanted);
-        let contact =
-            needed(Term::Contact).then(|| ContactLaw::new(weight, stiffness, fabric.thickness));
+        let contact = needed(Term::Contact).then(|| {
+            let law = ContactLaw::new(weight, stiffness, fabric.thickness);
+            match scene.method.scheme {
+                Scheme::CentralDifference => law,
+                _ => law.stiffening(),
+            }
+        });
         let (turn, shift) = placement(scene);
         let start_gravity = (0..masses.len())
             .map(|v| {
@@ -118,6 +125,9 @@ impl Model {
             contact,
             drag: needed(Term::Drag),
             features: Features::new(&mesh),
+            longest_edge: (0..mesh.edges.len())
+                .map(|e| mesh.edge_length(e))
+                .fold(0.0, f64::max),
             dofs: Dofs::new(&mesh, &supports),
             readings: readings(scene, &mesh),
             scene: scene.clone(),

@@ -8,12 +8,16 @@ use super::model::Model;
 use super::report::{StepReport, Work};
 use super::state::State;
 use super::touch::Touch;
+use super::travel;
 use crate::math::newton::{Limits, OVERSHOOT};
 
 /// Distance from the origin beyond which a vertex counts as lost \[m\].
 const FAR: f64 = 1e6;
-/// Smallest part of a step that is tried: 1/64.
-const TICKS: u32 = 64;
+/// Smallest part of a step that is tried: 1/4096.
+const TICKS: u32 = 4096;
+
+/// Substeps of an explicit step beyond which it is not repeated smaller for speed.
+const MOST_PARTS: u64 = 1 << 16;
 
 /// A step that could not be taken.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -56,7 +60,11 @@ pub fn implicit_step(
     let (mut done, mut size) = (0, TICKS);
     let mut touch = Touch::default();
     while done < TICKS {
-        let dt = method.dt * f64::from(size) / f64::from(TICKS);
+        let part = |size: u32| method.dt * f64::from(size) / f64::from(TICKS);
+        while size > 1 && travel::ahead(model, state, part(size)) > 1.0 {
+            size /= 2;
+        }
+        let dt = part(size);
         let within = method.dt * f64::from(done) / f64::from(TICKS);
         let solved = solver.solve(model, state, rule, (within, dt), &limits);
         count(&solved, report);
@@ -64,6 +72,11 @@ pub fn implicit_step(
             if size == 1 {
                 return Err(diverged(model, state, &solved, dt));
             }
+            report.work.rejected += 1;
+            size /= 2;
+            continue;
+        }
+        if size > 1 && went_far(model, state, rule, &solved, (within, dt)) {
             report.work.rejected += 1;
             size /= 2;
             continue;
@@ -76,6 +89,23 @@ pub fn implicit_step(
         }
     }
     Ok(touch)
+}
+
+/// Whether the sheet and an obstacle moved against each other so far that one may have passed the other.
+fn went_far(
+    model: &Model,
+    state: &State,
+    rule: Rule,
+    solved: &Solved,
+    (within, dt): (f64, f64),
+) -> bool {
+    if state.obstacles.is_empty() {
+        return false;
+    }
+    let mut end = state.clone();
+    take(model, &mut end, rule, solved, (within, dt));
+    let places = [&state.positions[..], &end.positions];
+    travel::taken(model, places, [&state.obstacles, &end.obstacles]) > 2.0
 }
 
 fn count(solved: &Solved, report: &mut StepReport) {
@@ -179,12 +209,22 @@ pub fn explicit_step(
     report: &mut StepReport,
 ) -> Result<Touch, Diverged> {
     let substep = explicit.substep(model, state, substep, report.dt);
-    let parts = (report.dt / substep).ceil().max(1.0) as u64;
-    let dt = report.dt / parts as f64;
+    let mut parts = (report.dt / substep).ceil().max(1.0) as u64;
     let before = state.step;
-    let touch = explicit.advance(model, state, dt, parts);
-    report.work.substeps = parts;
-    report.work.evaluations = parts;
+    let start = state.clone();
+    let (touch, dt) = loop {
+        let dt = report.dt / parts as f64;
+        let (touch, haste) = explicit.advance(model, state, dt, parts);
+        report.work.substeps += parts;
+        report.work.evaluations += parts;
+        if haste <= 1.0 || !haste.is_finite() || parts >= MOST_PARTS {
+            break (touch, dt);
+        }
+        // Too fast to be seen coming: once more in smaller substeps.
+        report.work.rejected += 1;
+        parts = (parts as f64 * (1.2 * haste).min(16.0)).ceil() as u64;
+        state.clone_from(&start);
+    };
     let lost = state
         .positions
         .iter()

@@ -48,6 +48,7 @@ pub struct Explicit {
     /// Positions \[m\], up to date at the vertices of `nearby`, shape \[vertices\].
     positions: Vec<Vector3<f64>>,
     touch: Touch,
+    haste: f64,
 }
 
 impl Explicit {
@@ -88,6 +89,7 @@ impl Explicit {
             allowance: 0.0,
             positions: nodes[..vertices].to_vec(),
             touch: Touch::default(),
+            haste: 0.0,
         }
     }
 
@@ -104,11 +106,19 @@ impl Explicit {
         }
     }
 
-    /// Takes `count` substeps of `dt` and returns the contacts at the end.
-    pub fn advance(&mut self, model: &Model, state: &mut State, dt: f64, count: u64) -> Touch {
+    /// Takes `count` substeps of `dt` and returns the contacts at the end, with the largest motion of the sheet against an
+    /// obstacle near it in one substep, over half the thickness of the cloth.
+    pub fn advance(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        dt: f64,
+        count: u64,
+    ) -> (Touch, f64) {
         let vertices = model.masses.len();
         // What was near before does not count: a step depends on the state alone, also after a command.
         self.allowance = f64::NEG_INFINITY;
+        self.haste = 0.0;
         let mut nodes: Vec<Lanes> = state
             .positions
             .iter()
@@ -144,6 +154,7 @@ impl Explicit {
             if model.contact.is_some() {
                 let motion = (time, fastest, dt);
                 self.contact(model, state, &nodes, motion, &mut forces);
+                self.hurry(model, state, &rates, dt);
             }
             state.ledger.supports += work_of_supports(model, &held, &forces, dt);
             if substep + 1 == count {
@@ -186,7 +197,7 @@ impl Explicit {
         model.hold(state, model.script_time(state, moment(count)));
         rest_supports(model, state);
         state.ledger.supports += model.held_kinetic(state);
-        self.touch.clone()
+        (self.touch.clone(), self.haste)
     }
 
     /// Normal force and friction \[N\] of each contact in the last substep, by key: the state holds the half-step
@@ -324,6 +335,19 @@ impl Explicit {
         }
         if quickest > 0.0 {
             state.ledger.supports += self.touch.work_of_obstacles(model, &start, positions);
+        }
+    }
+
+    /// Notes how fast what is near an obstacle moves against it.
+    fn hurry(&mut self, model: &Model, state: &State, rates: &[Lanes], dt: f64) {
+        let Some(law) = &model.contact else { return };
+        for (body, nearby) in state.obstacles.iter().zip(&self.nearby) {
+            let room = law.offset.max(law.limit());
+            for &v in nearby.vertices() {
+                let place = &self.positions[v as usize];
+                let motion = vector(&rates[v as usize]) - body.velocity_at(place);
+                self.haste = self.haste.max(motion.norm() * dt / room);
+            }
         }
     }
 

@@ -13,6 +13,7 @@ mod gradient_flow;
 mod held;
 mod impulse;
 mod stable;
+pub use stable::quickest;
 #[cfg(test)]
 mod test;
 
