@@ -101,20 +101,6 @@ impl Table {
             .unwrap()
     }
 
-    /// Where column `of` reaches a value, in column `wanted`: linear between the first two rows around it.
-    pub fn inverse(&self, of: &str, wanted: &str, value: f64) -> f64 {
-        let rows: Vec<[f64; 2]> = self
-            .rows(&[])
-            .map(|row| [row.get(of), row.get(wanted)])
-            .collect();
-        let pair = rows
-            .windows(2)
-            .find(|p| p[0][0] <= value && value <= p[1][0])
-            .unwrap();
-        let [[a, from], [b, to]] = [pair[0], pair[1]];
-        from + (to - from) * (value - a) / (b - a)
-    }
-
     /// The rows whose cells read as given.
     pub fn rows(&self, wanted: &[(&str, &str)]) -> impl Iterator<Item = Row<'_>> {
         let wanted: Vec<_> = wanted
