@@ -24,7 +24,7 @@ mod warning;
 pub use ablation::{Ablation, ablations};
 pub use error::{Origin, Problem, SceneError};
 pub use fabric::FabricError;
-pub use method::{MethodSpec, OutputSpec, Scheme};
+pub use method::{Method, MethodSpec, OutputSpec, Scheme, Solver, StableLimit};
 pub use needs::{Reason, Term, needs};
 pub use overrides::Override;
 pub use parse::parse;

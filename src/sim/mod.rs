@@ -5,6 +5,7 @@ mod air;
 mod apply;
 mod assembly;
 mod command;
+mod constant;
 mod contacts;
 mod digest;
 mod dofs;

@@ -4,16 +4,21 @@ use super::air::Breeze;
 use super::implicit::{Implicit, Solved};
 use super::integrate::Rule;
 use super::integrate::explicit::Explicit;
+use super::integrate::xpbd::Xpbd;
 use super::model::Model;
 use super::report::{StepReport, Work};
 use super::state::State;
 use super::touch::Touch;
 use crate::math::newton::{Limits, OVERSHOOT};
+use crate::scene::{Solver, StableLimit};
 
 /// Distance from the origin beyond which a vertex counts as lost \[m\].
 const FAR: f64 = 1e6;
 /// Smallest part of a step that is tried: 1/64.
 const TICKS: u32 = 64;
+
+/// Iterations of `quasi-newton` in place of one of `newton`; about what they cost.
+const QUASI_NEWTON_ITERATIONS: usize = 25;
 
 /// A step that could not be taken.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -49,7 +54,10 @@ pub fn implicit_step(
     let method = &model.scene.method;
     let limits = Limits {
         tolerance: method.tolerance,
-        iterations: method.max_iterations,
+        iterations: match method.solver {
+            Solver::QuasiNewton => QUASI_NEWTON_ITERATIONS * method.max_iterations,
+            _ => method.max_iterations,
+        },
         overshoot: OVERSHOOT,
     };
     solver.forget();
@@ -165,30 +173,57 @@ pub fn explicit_step(
     state: &mut State,
     report: &mut StepReport,
 ) -> Result<Touch, Diverged> {
-    let substep = explicit.substep(model, state, substep, report.dt);
-    let parts = (report.dt / substep).ceil().max(1.0) as u64;
+    let substep = match model.scene.method.limit {
+        StableLimit::Keep => explicit.substep(model, state, substep, report.dt),
+        StableLimit::Ignore => substep,
+    };
+    let parts = parts(report.dt, substep);
     let dt = report.dt / parts as f64;
-    let before = state.step;
     let touch = explicit.advance(model, state, dt, parts);
     report.work.substeps = parts;
     report.work.evaluations = parts;
-    let lost = state
-        .positions
-        .iter()
-        .position(|x| !x.iter().all(|c| c.is_finite() && c.abs() < FAR));
-    match lost {
-        None => Ok(touch),
-        Some(vertex) => Err(Diverged {
-            step: before + 1,
-            time: before as f64 * report.dt,
-            dt,
-            residual: f64::INFINITY,
-            vertex,
-            at: model.start()[vertex].into(),
-            advice: format!(
-                "leave method.substep out, or try one below {:.1e} s",
-                0.5 * dt
-            ),
-        }),
-    }
+    let advice = "leave method.substep out, or try one below";
+    found(model, state, dt, advice).map(|()| touch)
+}
+
+/// Substeps of at most `substep` in a step; rounding must not add one.
+fn parts(dt: f64, substep: f64) -> u64 {
+    (dt / substep * (1.0 - 1e-12)).ceil().max(1.0) as u64
+}
+
+/// One outer step of position-based substeps. It is not repeated where it does not converge: it says so.
+pub fn position_step(
+    model: &Model,
+    xpbd: &mut Xpbd,
+    substep: f64,
+    state: &mut State,
+    report: &mut StepReport,
+) -> Result<Touch, Diverged> {
+    let parts = parts(report.dt, substep);
+    let dt = report.dt / parts as f64;
+    let (touch, residual, _) = xpbd.advance(model, state, dt, parts);
+    report.work.substeps = parts;
+    report.work.iterations = parts;
+    report.work.evaluations = parts + 1;
+    report.residual = residual;
+    report.converged = residual <= model.scene.method.tolerance;
+    found(model, state, dt, "try a method.substep below").map(|()| touch)
+}
+
+/// Whether all vertices are somewhere; else which is not, with advice that ends in half of `dt` \[s\].
+fn found(model: &Model, state: &State, dt: f64, advice: &str) -> Result<(), Diverged> {
+    let lost = |x: &nalgebra::Vector3<f64>| !x.iter().all(|c| c.is_finite() && c.abs() < FAR);
+    let Some(vertex) = state.positions.iter().position(lost) else {
+        return Ok(());
+    };
+    Err(Diverged {
+        at: model.start()[vertex].into(),
+        dt,
+        ..failure(
+            model,
+            state,
+            (f64::INFINITY, vertex),
+            format!("{advice} {:.1e} s", 0.5 * dt),
+        )
+    })
 }

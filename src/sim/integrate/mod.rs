@@ -14,6 +14,7 @@ mod impulse;
 mod stable;
 #[cfg(test)]
 mod test;
+pub mod xpbd;
 
 pub use stable::MARGIN;
 
