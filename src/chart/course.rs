@@ -28,6 +28,8 @@ pub(super) struct Course {
     pub simulated: f64,
     /// Steps, and the work of all of them.
     pub sum: StepReport,
+    /// Steps that ended above the tolerance.
+    pub starved: u64,
 }
 
 impl Course {
@@ -91,6 +93,7 @@ impl Course {
         self.simulated = time;
         self.sum.step += 1;
         self.sum.work += report.work;
+        self.starved += u64::from(!report.converged);
     }
 }
 

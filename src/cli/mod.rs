@@ -8,6 +8,7 @@ mod audit;
 #[cfg(feature = "ros2")]
 mod bridge;
 mod chart;
+mod chart_stability;
 mod commands;
 mod drapes;
 mod error;
@@ -15,9 +16,11 @@ mod explain;
 mod explained;
 mod identify;
 mod info;
+mod kept;
 mod list;
 mod measure;
 mod output;
+mod plan;
 mod progress;
 mod recover;
 mod replay;
@@ -88,7 +91,9 @@ enum Verb {
     Bridge(bridge::BridgeArgs),
     /// Say what physics a scene pays for, what it costs, and what it leaves out, measured.
     Explain(explain::ExplainArgs),
-    /// Run and draw a chart: error against CPU time.
+    /// Find the cheapest method, step and mesh within a tolerance.
+    Plan(plan::PlanArgs),
+    /// Run and draw a chart: error against CPU time, stability.
     Chart(chart::ChartArgs),
 }
 
@@ -116,6 +121,7 @@ pub fn main() -> ExitCode {
         #[cfg(feature = "ros2")]
         Verb::Bridge(args) => args.run(),
         Verb::Explain(args) => args.run(),
+        Verb::Plan(args) => args.run(),
         Verb::Chart(args) => args.run(),
     };
     match done {

@@ -39,6 +39,8 @@ pub struct Outcome {
     pub factorisations: u64,
     /// Of these, those that failed: the matrix was not positive definite.
     pub indefinite: u64,
+    /// Of these, those of a matrix that stays the same through a solve.
+    pub constant: u64,
     /// Linear solves.
     pub solves: u64,
     /// Line search steps beyond the first.
@@ -50,10 +52,10 @@ pub struct Outcome {
 /// Work vectors, kept between calls.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
-    r: Vec<f64>,
-    trial_r: Vec<f64>,
+    pub(super) r: Vec<f64>,
+    pub(super) trial_r: Vec<f64>,
     trial: Vec<f64>,
-    step: Vec<f64>,
+    pub(super) step: Vec<f64>,
     values: Vec<f64>,
     projection: f64,
 }
@@ -62,6 +64,17 @@ impl Scratch {
     /// Forgets what earlier systems needed, so that the next one does not depend on them.
     pub fn forget(&mut self) {
         self.projection = 0.0;
+    }
+
+    pub(super) fn resize(&mut self, size: usize) {
+        for vector in [
+            &mut self.r,
+            &mut self.trial_r,
+            &mut self.trial,
+            &mut self.step,
+        ] {
+            vector.resize(size, 0.0);
+        }
     }
 }
 
@@ -80,12 +93,8 @@ pub fn newton(
     limits: &Limits,
     scratch: &mut Scratch,
 ) -> Outcome {
-    let size = z.len();
     let mut outcome = Outcome::default();
-    scratch.r.resize(size, 0.0);
-    scratch.trial_r.resize(size, 0.0);
-    scratch.trial.resize(size, 0.0);
-    scratch.step.resize(size, 0.0);
+    scratch.resize(z.len());
     scratch.values.resize(cholesky.pattern().entries(), 0.0);
     outcome.norm = problem.residual(z, &mut scratch.r);
     outcome.evaluations += 1;
@@ -139,7 +148,7 @@ fn factorise(
 }
 
 /// Moves z along the step to where the slope r·step has lost its size or changed sign mildly.
-fn line_search(
+pub(super) fn line_search(
     problem: &mut impl Problem,
     z: &mut [f64],
     overshoot: f64,
@@ -178,6 +187,6 @@ fn line_search(
     false
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }

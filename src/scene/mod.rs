@@ -25,7 +25,7 @@ mod warning;
 pub use ablation::{Ablation, ablations};
 pub use error::{Origin, Problem, SceneError};
 pub use fabric::FabricError;
-pub use method::{MethodSpec, OutputSpec, Scheme};
+pub use method::{Method, MethodSpec, OutputSpec, Scheme, Solver, StableLimit};
 pub use motion::{ObstacleMotion, OverlapRule, OverlapSpec, SupportMotion};
 pub use needs::{Reason, Term, needs};
 pub use overrides::Override;

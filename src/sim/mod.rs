@@ -6,6 +6,7 @@ mod apply;
 mod assembly;
 mod carry;
 mod command;
+mod constant;
 mod contacts;
 mod digest;
 mod dofs;

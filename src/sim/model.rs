@@ -15,7 +15,7 @@ use crate::physics::damping::Damping;
 use crate::physics::gravity::Gravity;
 use crate::physics::stretch::Stretch;
 use crate::physics::support::Support;
-use crate::scene::{Axis, Region, Scene, Scheme, SupportKind, Term, needs};
+use crate::scene::{Axis, Region, Scene, Scheme, Solver, SupportKind, Term, needs};
 use crate::sheet::{Mesh, MeshOptions, generate};
 
 use super::air::Air;
@@ -102,8 +102,8 @@ impl Model {
         let needed = |wanted| needs.iter().any(|(term, _)| *term == wanted);
         let contact = needed(Term::Contact).then(|| {
             let law = ContactLaw::new(weight, stiffness, fabric.thickness);
-            match scene.method.scheme {
-                Scheme::CentralDifference => law,
+            match (scene.method.scheme, scene.method.solver) {
+                (Scheme::CentralDifference, _) | (_, Solver::Xpbd) => law,
                 _ => law.stiffening(),
             }
         });

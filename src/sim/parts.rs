@@ -9,6 +9,7 @@ use nalgebra::Vector3;
 
 use super::air::Breeze;
 use super::assembly::{Assembly, pick};
+use super::constant::Constant;
 use super::kernel::{Kernel, lanes};
 use super::model::Model;
 use super::report::Work;
@@ -17,9 +18,10 @@ use super::touch::{Before, Touch};
 use crate::contact::Nearby;
 use crate::math::cholesky::Cholesky;
 use crate::physics::{Load, Potential};
-use crate::scene::Term;
+use crate::scene::{Solver, Term};
 
 use super::integrate::MARGIN;
+use super::integrate::xpbd::{SUBSTEPS, Xpbd};
 
 /// One part of a step.
 pub struct Part<'a> {
@@ -52,11 +54,17 @@ impl Simulation {
     /// the ledger, copies) is the rest.
     pub fn parts(&self, work: &Work) -> Vec<Part<'_>> {
         let mut parts = match self.engine {
+            Engine::Implicit(..) if self.model.scene.method.solver == Solver::QuasiNewton => {
+                self.constant_parts(work)
+            }
             Engine::Implicit(..) => self.implicit_parts(work),
             Engine::Explicit(..) => vec![self.kernel_part(work)],
+            Engine::Positions(..) => vec![self.sweep_part(work)],
         };
-        parts.extend(self.drag_part(work));
-        parts.extend(self.contact_part(work));
+        if !matches!(self.engine, Engine::Positions(..)) {
+            parts.extend(self.drag_part(work));
+            parts.extend(self.contact_part(work));
+        }
         parts.retain(|part| part.count > 0);
         parts
     }
@@ -70,6 +78,46 @@ impl Simulation {
             "and bend, forces in one pass",
             work.evaluations,
             move || kernel.add_forces(black_box(&nodes), &mut forces),
+        )
+    }
+
+    fn constant_parts(&self, work: &Work) -> Vec<Part<'_>> {
+        let model = &self.model;
+        let weights = (1.0 / model.scene.method.dt.powi(2), 0.0);
+        let (nodes, mut rhs) = (self.state.nodes(), vec![1.0; model.dofs.size]);
+        let mut made = Constant::new(model);
+        let mut solver = Constant::new(model);
+        solver.prepare(model, weights);
+        let bent = nodes.clone();
+        vec![
+            part(Term::Stretch, "forces", work.evaluations, move || {
+                gradients(&model.stretch, &nodes);
+            }),
+            part(Term::Bend, "forces", work.evaluations, move || {
+                gradients(&model.bend, &bent);
+            }),
+            part(None, "constant factorisation", work.constant, move || {
+                made.forget();
+                made.prepare(model, weights);
+            }),
+            part(None, "solve", work.solves, move || {
+                solver.solve(model, &mut rhs)
+            }),
+        ]
+    }
+
+    /// Contact included.
+    fn sweep_part(&self, work: &Work) -> Part<'_> {
+        let mut xpbd = Xpbd::new(&self.model);
+        let dt = self.model.scene.method.dt / SUBSTEPS;
+        let mut state = self.state.clone();
+        part(
+            Term::Stretch,
+            "and bend, a sweep",
+            work.iterations,
+            move || {
+                xpbd.advance(&self.model, &mut state, dt, 1);
+            },
         )
     }
 
@@ -123,7 +171,7 @@ impl Simulation {
         let find = |body| Nearby::find(&model.mesh, &state.positions, body, law.offset, MARGIN);
         let nearby: Option<Vec<_>> = match self.engine {
             Engine::Explicit(..) => Some(state.obstacles.iter().map(find).collect()),
-            Engine::Implicit(..) => None,
+            Engine::Implicit(..) | Engine::Positions(..) => None,
         };
         let mut touch = Touch {
             obstacles: state.obstacles.clone(),

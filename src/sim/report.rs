@@ -44,7 +44,7 @@ pub struct Work {
     pub factorisations: u64,
     /// Of these, tangents that were not positive definite, and were made again with more of their stress projected.
     pub indefinite: u64,
-    /// Of these, constant matrices made for a step of another length.
+    /// Of these, constant matrices, one for each length of a part of the step.
     pub constant: u64,
     /// Of these, tests of a state of rest.
     pub tests: u64,
@@ -62,6 +62,7 @@ impl Work {
             evaluations: outcome.evaluations,
             factorisations: outcome.factorisations,
             indefinite: outcome.indefinite,
+            constant: outcome.constant,
             solves: outcome.solves,
             halvings: outcome.halvings,
             ..Self::default()

@@ -4,12 +4,14 @@ use super::air::Breeze;
 use super::implicit::{Implicit, Solved};
 use super::integrate::Rule;
 use super::integrate::explicit::Explicit;
+use super::integrate::xpbd::Xpbd;
 use super::model::Model;
 use super::report::{StepReport, Work};
 use super::state::State;
 use super::touch::Touch;
 use super::travel;
 use crate::math::newton::{Limits, OVERSHOOT};
+use crate::scene::{Solver, StableLimit};
 
 /// Distance from the origin beyond which a vertex counts as lost \[m\].
 const FAR: f64 = 1e6;
@@ -18,6 +20,9 @@ const TICKS: u32 = 4096;
 
 /// Substeps of an explicit step beyond which it is not repeated smaller for speed.
 const MOST_PARTS: u64 = 1 << 16;
+
+/// Iterations of `quasi-newton` in place of one of `newton`; about what they cost.
+const QUASI_NEWTON_ITERATIONS: usize = 25;
 
 /// A step that could not be taken.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -53,7 +58,10 @@ pub fn implicit_step(
     let method = &model.scene.method;
     let limits = Limits {
         tolerance: method.tolerance,
-        iterations: method.max_iterations,
+        iterations: match method.solver {
+            Solver::QuasiNewton => QUASI_NEWTON_ITERATIONS * method.max_iterations,
+            _ => method.max_iterations,
+        },
         overshoot: OVERSHOOT,
     };
     solver.forget();
@@ -208,16 +216,19 @@ pub fn explicit_step(
     state: &mut State,
     report: &mut StepReport,
 ) -> Result<Touch, Diverged> {
-    let substep = explicit.substep(model, state, substep, report.dt);
-    let mut parts = (report.dt / substep).ceil().max(1.0) as u64;
-    let before = state.step;
+    let substep = match model.scene.method.limit {
+        StableLimit::Keep => explicit.substep(model, state, substep, report.dt),
+        StableLimit::Ignore => substep,
+    };
+    let mut parts = parts(report.dt, substep);
     let start = state.clone();
     let (touch, dt) = loop {
         let dt = report.dt / parts as f64;
         let (touch, haste) = explicit.advance(model, state, dt, parts);
         report.work.substeps += parts;
         report.work.evaluations += parts;
-        if haste <= 1.0 || !haste.is_finite() || parts >= MOST_PARTS {
+        let safe = haste <= 1.0 || !haste.is_finite() || parts >= MOST_PARTS;
+        if safe || model.scene.method.limit == StableLimit::Ignore {
             break (touch, dt);
         }
         // Too fast to be seen coming: once more in smaller substeps.
@@ -225,23 +236,48 @@ pub fn explicit_step(
         parts = (parts as f64 * (1.2 * haste).min(16.0)).ceil() as u64;
         state.clone_from(&start);
     };
-    let lost = state
-        .positions
-        .iter()
-        .position(|x| !x.iter().all(|c| c.is_finite() && c.abs() < FAR));
-    match lost {
-        None => Ok(touch),
-        Some(vertex) => Err(Diverged {
-            step: before + 1,
-            time: before as f64 * report.dt,
-            dt,
-            residual: f64::INFINITY,
-            vertex,
-            at: model.start()[vertex].into(),
-            advice: format!(
-                "leave method.substep out, or try one below {:.1e} s",
-                0.5 * dt
-            ),
-        }),
-    }
+    let advice = "leave method.substep out, or try one below";
+    found(model, state, dt, advice).map(|()| touch)
+}
+
+/// Substeps of at most `substep` in a step; rounding must not add one.
+fn parts(dt: f64, substep: f64) -> u64 {
+    (dt / substep * (1.0 - 1e-12)).ceil().max(1.0) as u64
+}
+
+/// One outer step of position-based substeps. It is not repeated where it does not converge: it says so.
+pub fn position_step(
+    model: &Model,
+    xpbd: &mut Xpbd,
+    substep: f64,
+    state: &mut State,
+    report: &mut StepReport,
+) -> Result<Touch, Diverged> {
+    let parts = parts(report.dt, substep);
+    let dt = report.dt / parts as f64;
+    let (touch, residual, _) = xpbd.advance(model, state, dt, parts);
+    report.work.substeps = parts;
+    report.work.iterations = parts;
+    report.work.evaluations = parts + 1;
+    report.residual = residual;
+    report.converged = residual <= model.scene.method.tolerance;
+    found(model, state, dt, "try a method.substep below").map(|()| touch)
+}
+
+/// Whether all vertices are somewhere; else which is not, with advice that ends in half of `dt` \[s\].
+fn found(model: &Model, state: &State, dt: f64, advice: &str) -> Result<(), Diverged> {
+    let lost = |x: &nalgebra::Vector3<f64>| !x.iter().all(|c| c.is_finite() && c.abs() < FAR);
+    let Some(vertex) = state.positions.iter().position(lost) else {
+        return Ok(());
+    };
+    Err(Diverged {
+        at: model.start()[vertex].into(),
+        dt,
+        ..failure(
+            model,
+            state,
+            (f64::INFINITY, vertex),
+            format!("{advice} {:.1e} s", 0.5 * dt),
+        )
+    })
 }

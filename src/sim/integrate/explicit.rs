@@ -30,7 +30,7 @@ pub const SAFETY: f64 = 0.95;
 /// Slope inertia over the least that keeps the slopes' own frequency at that of the membrane.
 const INERTIA_MARGIN: f64 = 4.0;
 /// Largest slope inertia, over m h²: what it adds to a wave of length w is of relative size (h/w)² of this.
-const MOST_INERTIA: f64 = 1e-3;
+pub const MOST_INERTIA: f64 = 1e-3;
 
 /// The explicit integrator: constants and work space.
 pub struct Explicit {
@@ -62,17 +62,6 @@ impl Explicit {
             let enough = INERTIA_MARGIN * k / stiffest.powi(2);
             enough.min(MOST_INERTIA * rotary_inertia(model, e))
         }));
-        let inverse = |(node, inertia): (usize, &f64)| {
-            let index = model.dofs.index[node];
-            let lane = |axis: usize| {
-                if index[axis] == NO_SLOT {
-                    0.0
-                } else {
-                    1.0 / inertia
-                }
-            };
-            [lane(0), lane(1), lane(2), 0.0]
-        };
         let mut drag = vec![0.0; nodes.len()];
         let mut weight = vec![[0.0; 4]; nodes.len()];
         for v in 0..vertices {
@@ -81,7 +70,7 @@ impl Explicit {
         }
         Self {
             kernel,
-            inverse_mass: inertia.iter().enumerate().map(inverse).collect(),
+            inverse_mass: inverse_masses(model, &inertia),
             drag,
             weight,
             limits: Limits::new(nodes, inertia),
@@ -266,12 +255,8 @@ impl Explicit {
         forces: &[Lanes],
         dt: f64,
     ) -> [f64; 2] {
-        let mut resistance = vec![Matrix3::zeros(); nodes.len()];
-        for s in 0..drag.count() {
-            let stencil = drag.nodes(s).map(|n| n as usize);
-            let of_face = drag.resistance(&stencil.map(|n| vector(&nodes[n])));
-            stencil.iter().for_each(|&n| resistance[n] += of_face);
-        }
+        let places: Vec<_> = nodes.iter().map(vector).collect();
+        let resistance = resistances(drag, &places);
         let (mut taken, mut put) = (0.0, 0.0);
         for (n, r) in resistance.iter().enumerate() {
             // Slopes have no resistance, so the air's velocity does not matter there.
@@ -355,6 +340,26 @@ impl Explicit {
         let places = self.positions.iter_mut().zip(nodes);
         places.for_each(|(place, node)| *place = vector(node));
     }
+}
+
+/// 1/m and 1/J by component, zero where prescribed, shape \[nodes\].
+pub fn inverse_masses(model: &Model, inertia: &[f64]) -> Vec<Lanes> {
+    let inverse = |(index, inertia): (&[u32; 3], &f64)| {
+        let [x, y, z] = index.map(|slot| if slot == NO_SLOT { 0.0 } else { 1.0 / inertia });
+        [x, y, z, 0.0]
+    };
+    model.dofs.index.iter().zip(inertia).map(inverse).collect()
+}
+
+/// Sum of the resistances of the faces around each node \[N·s/m\].
+pub fn resistances(drag: &Drag, nodes: &[Vector3<f64>]) -> Vec<Matrix3<f64>> {
+    let mut sum = vec![Matrix3::zeros(); nodes.len()];
+    for s in 0..drag.count() {
+        let stencil = drag.nodes(s).map(|n| n as usize);
+        let of_face = drag.resistance(&stencil.map(|n| nodes[n]));
+        stencil.iter().for_each(|&n| sum[n] += of_face);
+    }
+    sum
 }
 
 /// Moves the nodes and returns the largest speed of a vertex \[m/s\].

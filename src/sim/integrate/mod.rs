@@ -16,6 +16,7 @@ mod stable;
 pub use stable::quickest;
 #[cfg(test)]
 mod test;
+pub mod xpbd;
 
 pub use stable::MARGIN;
 
