@@ -86,6 +86,17 @@ impl Shape {
         }
     }
 
+    /// Radius of the largest ball inside \[m\]; zero for a disc, infinite for a plane.
+    pub fn inner_radius(&self) -> f64 {
+        match *self {
+            Self::Plane => f64::INFINITY,
+            Self::Box { size: [x, y, z] } => 0.5 * x.min(y).min(z),
+            Self::Sphere { radius } | Self::Capsule { radius, .. } => radius,
+            Self::Disc { .. } => 0.0,
+            Self::Cylinder { radius, length } => radius.min(0.5 * length),
+        }
+    }
+
     /// Depth below the surface of the point or axis about which the shape is round \[m\]; zero where it is sharp.
     pub(super) fn core(&self) -> f64 {
         match *self {

@@ -42,8 +42,16 @@ pub struct Outcome {
     pub norm: f64,
     /// Iterations.
     pub iterations: u64,
+    /// Evaluations of the residual.
+    pub evaluations: u64,
     /// Factorisations.
     pub factorisations: u64,
+    /// Of these, those that failed: the matrix was not positive definite.
+    pub indefinite: u64,
+    /// Of these, those of a matrix that stays the same through a solve.
+    pub constant: u64,
+    /// Linear solves.
+    pub solves: u64,
     /// Line search steps beyond the first.
     pub halvings: u64,
     /// Whether the last step of the iteration was taken.
@@ -53,10 +61,10 @@ pub struct Outcome {
 /// Work vectors, kept between calls.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
-    r: Vec<f64>,
-    trial_r: Vec<f64>,
+    pub(super) r: Vec<f64>,
+    pub(super) trial_r: Vec<f64>,
     trial: Vec<f64>,
-    step: Vec<f64>,
+    pub(super) step: Vec<f64>,
     values: Vec<f64>,
     projection: f64,
 }
@@ -65,6 +73,17 @@ impl Scratch {
     /// Forgets what earlier systems needed, so that the next one does not depend on them.
     pub fn forget(&mut self) {
         self.projection = 0.0;
+    }
+
+    pub(super) fn resize(&mut self, size: usize) {
+        for vector in [
+            &mut self.r,
+            &mut self.trial_r,
+            &mut self.trial,
+            &mut self.step,
+        ] {
+            vector.resize(size, 0.0);
+        }
     }
 }
 
@@ -85,14 +104,11 @@ pub fn newton(
     limits: &Limits,
     scratch: &mut Scratch,
 ) -> Outcome {
-    let size = z.len();
     let mut outcome = Outcome::default();
-    scratch.r.resize(size, 0.0);
-    scratch.trial_r.resize(size, 0.0);
-    scratch.trial.resize(size, 0.0);
-    scratch.step.resize(size, 0.0);
+    scratch.resize(z.len());
     scratch.values.resize(cholesky.pattern().entries(), 0.0);
     outcome.norm = problem.residual(z, &mut scratch.r);
+    outcome.evaluations += 1;
     loop {
         outcome.converged = outcome.norm <= limits.tolerance;
         if outcome.converged || outcome.iterations as usize >= limits.iterations {
@@ -107,6 +123,7 @@ pub fn newton(
             *step = -r;
         }
         cholesky.solve(&mut scratch.step, 1);
+        outcome.solves += 1;
         outcome.moved = line_search(problem, z, limits.overshoot, scratch, &mut outcome);
         if !outcome.moved {
             return outcome;
@@ -137,6 +154,7 @@ fn factorise(
             };
             return true;
         }
+        outcome.indefinite += 1;
         if scratch.projection >= 1.0 {
             return false;
         }
@@ -145,7 +163,7 @@ fn factorise(
 }
 
 /// Moves z along the step to where the slope r·step has lost its size or changed sign mildly.
-fn line_search(
+pub(super) fn line_search(
     problem: &mut impl Problem,
     z: &mut [f64],
     overshoot: f64,
@@ -165,6 +183,7 @@ fn line_search(
             *trial = z + length * step;
         }
         let norm = problem.residual(&scratch.trial, &mut scratch.trial_r);
+        outcome.evaluations += 1;
         let trial_slope = dot(&scratch.trial_r, &scratch.step);
         if norm.is_finite() && trial_slope <= overshoot * slope.abs() {
             z.copy_from_slice(&scratch.trial);
@@ -186,6 +205,6 @@ fn line_search(
     false
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }

@@ -97,14 +97,7 @@ impl Summary {
     pub(super) fn add(&mut self, report: &StepReport) {
         self.steps = report.step;
         self.time = report.time;
-        self.work.substeps += report.work.substeps;
-        self.work.rejected += report.work.rejected;
-        self.work.iterations += report.work.iterations;
-        self.work.factorisations += report.work.factorisations;
-        self.work.solves += report.work.solves;
-        self.work.halvings += report.work.halvings;
-        self.work.layer_searches += report.work.layer_searches;
-        self.work.layer_pairs += report.work.layer_pairs;
+        self.work += report.work;
         self.crossings = self.crossings.max(report.crossings);
         for &term in &report.neglected {
             if !self.neglected.iter().any(|(name, _)| *name == term) {

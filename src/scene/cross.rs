@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::FabricError;
 use super::check::refuse_key;
 use super::error::{Problem, SceneError};
+use super::method::{Method, Scheme, Solver};
 use super::quantity::short;
 use super::ranges::{SPEED, TURN_RATE};
 use super::spec::{Region, Scene};
@@ -25,6 +26,7 @@ pub(super) fn check(scene: &Scene, document: &Node) -> Result<(), SceneError> {
         motions,
         air,
         observations,
+        method,
         times,
     ];
     for check in checks {
@@ -214,6 +216,40 @@ fn observations(scene: &Scene) -> Result<(), Conflict> {
         }
     }
     Ok(())
+}
+
+fn method(scene: &Scene) -> Result<(), Conflict> {
+    match scene.method.method() {
+        Method {
+            solver: Solver::QuasiNewton | Solver::Xpbd,
+            ..
+        } if scene.layers.is_some() => conflict(
+            "method.solver",
+            "layers need newton, or method.scheme = central-difference",
+        ),
+        Method {
+            scheme: Scheme::CentralDifference,
+            solver: Solver::QuasiNewton | Solver::Xpbd,
+        } => conflict(
+            "method.solver",
+            "central-difference solves no equations; leave method.solver out",
+        ),
+        Method {
+            scheme,
+            solver: Solver::Xpbd,
+        } if scheme != Scheme::BackwardEuler => conflict(
+            "method.solver",
+            "xpbd goes with method.scheme = backward-euler alone",
+        ),
+        Method {
+            scheme: Scheme::Equilibrium,
+            solver: Solver::QuasiNewton,
+        } => conflict(
+            "method.solver",
+            "equilibrium needs newton, whose tangent says whether a state is a minimum",
+        ),
+        _ => Ok(()),
+    }
 }
 
 fn times(scene: &Scene) -> Result<(), Conflict> {

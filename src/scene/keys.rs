@@ -222,10 +222,12 @@ const PERTURBATION: &[Key] = &[
 
 const METHOD: &[Key] = &[
     may("scheme", Choice(SCHEMES)),
+    may("solver", Choice(&["newton", "quasi-newton", "xpbd"])),
     may("dt", Number(range(1e-7, 1.0, "s"))),
     may("tolerance", Number(range(1e-14, 0.1, "of the weight"))),
     may("max_iterations", Count(1, 10_000)),
     may("substep", Number(range(1e-9, 1.0, "s"))),
+    may("limit", Choice(&["keep", "ignore"])),
     may("rho_infinity", Number(range(0.0, 1.0, ""))),
 ];
 

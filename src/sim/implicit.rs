@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::air::Breeze;
 use super::assembly::{Assembly, pick};
 use super::carry::Prescribed;
+use super::constant::Constant;
 use super::integrate::{Map, Rule, extrapolate};
 use super::layers::LayerTouch;
 use super::model::Model;
@@ -13,14 +14,16 @@ use super::state::{Memory, State};
 use super::touch::{Before, Touch};
 use crate::math::cholesky::Cholesky;
 use crate::math::newton::{Limits, Outcome, Problem, Scratch, newton};
+use crate::math::quasi_newton::quasi_newton;
 use crate::math::sparse::Pattern;
 use crate::physics::drag::Drag;
 use crate::physics::{Load, Potential};
+use crate::scene::Solver;
 
 /// Solver of implicit steps: all that is reused from step to step and is not state.
 pub struct Implicit {
     assembly: Assembly,
-    cholesky: Cholesky,
+    algebra: Algebra,
     scratch: Scratch,
     z: Vec<f64>,
     nodes: Vec<Vector3<f64>>,
@@ -29,6 +32,12 @@ pub struct Implicit {
     near: Near,
     /// Whether the tangent has to make room for the layers of the present step.
     fresh: bool,
+}
+
+/// What stands for the tangent.
+enum Algebra {
+    Newton(Cholesky),
+    QuasiNewton(Constant),
 }
 
 /// A solved step, not yet taken.
@@ -57,7 +66,10 @@ impl Implicit {
     pub fn new(model: &Model, threads: usize) -> Self {
         let assembly = Assembly::new(model, threads);
         Self {
-            cholesky: Cholesky::new(assembly.pattern().clone()),
+            algebra: match model.scene.method.solver {
+                Solver::QuasiNewton => Algebra::QuasiNewton(Constant::new(model)),
+                _ => Algebra::Newton(Cholesky::new(assembly.pattern().clone())),
+            },
             assembly,
             scratch: Scratch::default(),
             z: vec![0.0; model.dofs.size],
@@ -75,6 +87,9 @@ impl Implicit {
         self.stresses.clear();
         self.near.forget();
         self.fresh = true;
+        if let Algebra::QuasiNewton(constant) = &mut self.algebra {
+            constant.forget();
+        }
     }
 
     /// Makes room in the tangent for layers near each other in a state, which begins a step.
@@ -89,10 +104,21 @@ impl Implicit {
 
     fn analyse(&mut self) {
         let pattern = self.assembly.pattern().clone();
-        self.cholesky = match self.assembly.couples().is_empty() {
+        *self.cholesky() = match self.assembly.couples().is_empty() {
             true => Cholesky::new(pattern),
             false => Cholesky::reordered(pattern),
         };
+    }
+
+    /// The Cholesky factor of the tangent.
+    ///
+    /// # Panics
+    /// With another solver than Newton.
+    fn cholesky(&mut self) -> &mut Cholesky {
+        match &mut self.algebra {
+            Algebra::Newton(cholesky) => cholesky,
+            Algebra::QuasiNewton(_) => panic!("only newton has a tangent"),
+        }
     }
 
     /// Factorises the exact second derivative of the energy at a state, plus `shift` times the mass \[1/s²\]; says
@@ -132,12 +158,12 @@ impl Implicit {
                 assembly.add_pair(&model.dofs, stencil, hessian, &mut values);
             });
         }
-        self.cholesky.factorise(&values).is_ok()
+        self.cholesky().factorise(&values).is_ok()
     }
 
     /// Solves in place with the last matrix that was factorised.
     pub fn back_substitute(&mut self, rhs: &mut [f64]) {
-        self.cholesky.solve(rhs, 1);
+        self.cholesky().solve(rhs, 1);
     }
 
     /// Draws the guess back towards where the step starts until no layers meet on the way; what is held keeps its place.
@@ -198,7 +224,8 @@ impl Implicit {
         model.dofs.gather(&self.nodes, &mut self.z);
         let start = state.nodes();
         // A flow goes on with the stress of its last step.
-        if rule != Rule::GradientFlow || self.stresses.is_empty() {
+        let stressed = matches!(self.algebra, Algebra::Newton(_));
+        if stressed && (rule != Rule::GradientFlow || self.stresses.is_empty()) {
             self.stresses.clear();
             self.stresses.extend((0..model.stretch.count()).map(|f| {
                 let x = pick(&start, &model.stretch.nodes(f));
@@ -226,16 +253,25 @@ impl Implicit {
             nodes: &mut self.nodes,
             forces: &mut self.forces,
         };
-        let mut outcome = newton(
-            &mut problem,
-            &mut self.cholesky,
-            &mut self.z,
-            limits,
-            &mut self.scratch,
-        );
-        // The last evaluation may have been a rejected trial.
-        let mut r = vec![0.0; model.dofs.size];
-        problem.residual(&self.z, &mut r);
+        let (z, scratch) = (&mut self.z, &mut self.scratch);
+        let mut outcome = match &mut self.algebra {
+            Algebra::Newton(cholesky) => newton(&mut problem, cholesky, z, limits, scratch),
+            Algebra::QuasiNewton(constant) => {
+                let made = constant.prepare(model, (map.alpha_a, map.alpha_v));
+                let inverse = |z: &mut [f64]| constant.solve(model, z);
+                let outcome = quasi_newton(&mut problem, inverse, z, limits, scratch);
+                Outcome {
+                    factorisations: u64::from(made),
+                    constant: u64::from(made),
+                    ..outcome
+                }
+            }
+        };
+        let after_a_rejected_trial = outcome.iterations > 0 && !outcome.moved;
+        if after_a_rejected_trial {
+            problem.residual(&self.z, &mut vec![0.0; model.dofs.size]);
+            outcome.evaluations += 1;
+        }
         let worst = problem.worst();
         let end = model.script_time(state, within + dt);
         let support_work = problem.work_of_supports(&start, end);

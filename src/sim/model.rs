@@ -17,7 +17,7 @@ use crate::physics::gravity::Gravity;
 use crate::physics::layers::LayerLaw;
 use crate::physics::stretch::Stretch;
 use crate::physics::support::Support;
-use crate::scene::{Axis, Region, Scene, SupportKind, Term, needs};
+use crate::scene::{Axis, Region, Scene, Scheme, Solver, SupportKind, Term, needs};
 use crate::sheet::{Mesh, MeshOptions, generate};
 
 use super::air::Air;
@@ -58,6 +58,8 @@ pub struct Model {
     pub motions: BTreeMap<String, Motion>,
     /// The contact law, if the scene has obstacles or commands may add some.
     pub contact: Option<ContactLaw>,
+    /// Length of the longest edge of the flat mesh \[m\].
+    pub longest_edge: f64,
     /// Incidence for contact detection.
     pub features: Features,
     /// The law of layer on layer, if the sheet may touch itself.
@@ -104,8 +106,13 @@ impl Model {
         let supports: Vec<Support> = supports(scene, &mesh);
         let needs = needs(scene);
         let needed = |wanted| needs.iter().any(|(term, _)| *term == wanted);
-        let contact =
-            needed(Term::Contact).then(|| ContactLaw::new(weight, stiffness, fabric.thickness));
+        let contact = needed(Term::Contact).then(|| {
+            let law = ContactLaw::new(weight, stiffness, fabric.thickness);
+            match (scene.method.scheme, scene.method.solver) {
+                (Scheme::CentralDifference, _) | (_, Solver::Xpbd) => law,
+                _ => law.stiffening(),
+            }
+        });
         let spec = scene.layers.unwrap_or_default();
         let thickness = spec.thickness.unwrap_or(fabric.thickness);
         let area = mesh.area() / masses.len() as f64;
@@ -130,6 +137,9 @@ impl Model {
             tiles: Tiles::new(&mesh, thickness),
             drag: needed(Term::Drag),
             features: Features::new(&mesh),
+            longest_edge: (0..mesh.edges.len())
+                .map(|e| mesh.edge_length(e))
+                .fold(0.0, f64::max),
             dofs: Dofs::new(&mesh, &supports),
             readings: readings(scene, &mesh),
             scene: scene.clone(),

@@ -18,7 +18,8 @@ pub struct State {
     pub velocities: Vec<Vector3<f64>>,
     /// Derivative of the position across each edge \[-\], shape \[edges\].
     pub slopes: Vec<Vector3<f64>>,
-    /// Rates of the slopes \[1/s\], shape \[edges\]; zero but for the explicit scheme, where slopes have inertia.
+    /// Rates of the slopes \[1/s\], shape \[edges\]; zero but for the explicit scheme and
+    /// `xpbd`, where slopes have inertia.
     pub slope_rates: Vec<Vector3<f64>>,
     /// Obstacles where they are now, in the order of their names.
     pub obstacles: Vec<Obstacle>,

@@ -59,7 +59,7 @@ fn an_obstacle_put_into_the_cloth_pushes_it_out() {
                 continue;
             }
             let scene = match free {
-                true => sheet(scheme, &["damping=0.5", weightless]),
+                true => sheet(scheme, &["damping=0.5"]),
                 false => held(scheme, &[weightless]),
             };
             let mut simulation = simulation(&scene);

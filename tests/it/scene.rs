@@ -111,7 +111,8 @@ fn built_in_scenes_are_checked_and_survive_being_written() {
             "drapemeter",
             "drapemeter-resting",
             "towel-fold",
-            "strip-release"
+            "strip-release",
+            "fling"
         ]
     );
     for name in library::names() {
@@ -218,6 +219,8 @@ dt = 1e-3
 tolerance = 1e-5
 max_iterations = 20
 substep = 1e-5
+solver = "quasi-newton"
+limit = "ignore"
 rho_infinity = 0.5
 [output]
 rate = 50

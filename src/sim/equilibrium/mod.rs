@@ -47,10 +47,10 @@ impl Simulation {
     /// No minimum of the energy was reached; the state is then as it was.
     ///
     /// # Panics
-    /// With the explicit scheme, which cannot do this.
+    /// With another solver than Newton, which cannot do this.
     pub fn settle(&mut self, tolerance: f64) -> Result<Equilibrium, Diverged> {
         let Engine::Implicit(_, solver) = &mut self.engine else {
-            panic!("settle() needs an implicit scheme");
+            panic!("settle() needs an implicit scheme with newton");
         };
         let (mut state, mut report) = (self.state.clone(), self.report.clone());
         let rest = rest(&self.model, solver, &mut state, tolerance, 0.0)?;
@@ -113,7 +113,7 @@ fn rest(
     let mut saddles = 0;
     loop {
         let flowed = flow::flow(model, solver, state, (tolerance, within), &mut work)?;
-        let softest = minimum::softest(model, solver, state);
+        let softest = minimum::softest(model, solver, state, &mut work);
         if let Some(rate) = softest.stable() {
             state.obstacles = moving;
             state.history.restart();

@@ -31,8 +31,10 @@ use crate::sim::touch::Touch;
 pub const SAFETY: f64 = 0.95;
 /// Slope inertia over the least that keeps the slopes' own frequency at that of the membrane.
 const INERTIA_MARGIN: f64 = 4.0;
+/// What is returned as haste where layers need substeps half as long.
+const TOO_LONG: f64 = 1.7;
 /// Largest slope inertia, over m h²: what it adds to a wave of length w is of relative size (h/w)² of this.
-const MOST_INERTIA: f64 = 1e-3;
+pub const MOST_INERTIA: f64 = 1e-3;
 
 /// The explicit integrator: constants and work space.
 pub struct Explicit {
@@ -51,6 +53,7 @@ pub struct Explicit {
     positions: Vec<Vector3<f64>>,
     touch: Touch,
     folds: Folds,
+    haste: f64,
 }
 
 impl Explicit {
@@ -64,17 +67,6 @@ impl Explicit {
             let enough = INERTIA_MARGIN * k / stiffest.powi(2);
             enough.min(MOST_INERTIA * rotary_inertia(model, e))
         }));
-        let inverse = |(node, inertia): (usize, &f64)| {
-            let index = model.dofs.index[node];
-            let lane = |axis: usize| {
-                if index[axis] == NO_SLOT {
-                    0.0
-                } else {
-                    1.0 / inertia
-                }
-            };
-            [lane(0), lane(1), lane(2), 0.0]
-        };
         let mut drag = vec![0.0; nodes.len()];
         let mut weight = vec![[0.0; 4]; nodes.len()];
         for v in 0..vertices {
@@ -83,7 +75,7 @@ impl Explicit {
         }
         Self {
             kernel,
-            inverse_mass: inertia.iter().enumerate().map(inverse).collect(),
+            inverse_mass: inverse_masses(model, &inertia),
             drag,
             weight,
             limits: Limits::new(nodes, inertia),
@@ -92,6 +84,7 @@ impl Explicit {
             positions: nodes[..vertices].to_vec(),
             touch: Touch::default(),
             folds: Folds::default(),
+            haste: 0.0,
         }
     }
 
@@ -123,11 +116,19 @@ impl Explicit {
         (!self.folds.tripped()).then(|| self.folds.work())
     }
 
-    /// Takes `count` substeps of `dt` and returns the contacts at the end.
-    pub fn advance(&mut self, model: &Model, state: &mut State, dt: f64, count: u64) -> Touch {
+    /// Takes `count` substeps of `dt` and returns the contacts at the end, with the largest motion of the sheet against an
+    /// obstacle near it in one substep, over half the thickness of the cloth.
+    pub fn advance(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        dt: f64,
+        count: u64,
+    ) -> (Touch, f64) {
         let vertices = model.masses.len();
         // What was near before does not count: a step depends on the state alone, also after a command.
         self.allowance = f64::NEG_INFINITY;
+        self.haste = 0.0;
         let mut nodes: Vec<Lanes> = state
             .positions
             .iter()
@@ -167,13 +168,14 @@ impl Explicit {
             if model.contact.is_some() {
                 let motion = (time, fastest, dt);
                 self.contact(model, state, &nodes, motion, &mut forces);
+                self.hurry(model, state, &rates, dt);
             }
             if let Some(law) = &model.layers {
                 let step = (dt, &self.inverse_mass[..]);
                 let moving = (&nodes[..], &rates[..]);
                 self.folds.push(model, law, moving, step, &mut forces);
                 if self.folds.tripped() {
-                    return Touch::default();
+                    return (Touch::default(), TOO_LONG);
                 }
             }
             state.ledger.supports += work_of_supports(model, &held, &forces, dt);
@@ -222,7 +224,7 @@ impl Explicit {
         model.hold(state, model.script_time(state, moment(count)));
         rest_supports(model, state);
         state.ledger.supports += model.held_kinetic(state);
-        self.touch.clone()
+        (self.touch.clone(), self.haste)
     }
 
     /// Normal force and friction \[N\] of each contact in the last substep, by key: the state holds the half-step
@@ -291,12 +293,8 @@ impl Explicit {
         forces: &[Lanes],
         dt: f64,
     ) -> [f64; 2] {
-        let mut resistance = vec![Matrix3::zeros(); nodes.len()];
-        for s in 0..drag.count() {
-            let stencil = drag.nodes(s).map(|n| n as usize);
-            let of_face = drag.resistance(&stencil.map(|n| vector(&nodes[n])));
-            stencil.iter().for_each(|&n| resistance[n] += of_face);
-        }
+        let places: Vec<_> = nodes.iter().map(vector).collect();
+        let resistance = resistances(drag, &places);
         let (mut taken, mut put) = (0.0, 0.0);
         for (n, r) in resistance.iter().enumerate() {
             // Slopes have no resistance, so the air's velocity does not matter there.
@@ -363,10 +361,43 @@ impl Explicit {
         }
     }
 
+    /// Notes how fast what is near an obstacle moves against it.
+    fn hurry(&mut self, model: &Model, state: &State, rates: &[Lanes], dt: f64) {
+        let Some(law) = &model.contact else { return };
+        for (body, nearby) in state.obstacles.iter().zip(&self.nearby) {
+            let room = law.offset.max(law.limit());
+            for &v in nearby.vertices() {
+                let place = &self.positions[v as usize];
+                let motion = vector(&rates[v as usize]) - body.velocity_at(place);
+                self.haste = self.haste.max(motion.norm() * dt / room);
+            }
+        }
+    }
+
     fn refresh_all(&mut self, nodes: &[Lanes]) {
         let places = self.positions.iter_mut().zip(nodes);
         places.for_each(|(place, node)| *place = vector(node));
     }
+}
+
+/// 1/m and 1/J by component, zero where prescribed, shape \[nodes\].
+pub fn inverse_masses(model: &Model, inertia: &[f64]) -> Vec<Lanes> {
+    let inverse = |(index, inertia): (&[u32; 3], &f64)| {
+        let [x, y, z] = index.map(|slot| if slot == NO_SLOT { 0.0 } else { 1.0 / inertia });
+        [x, y, z, 0.0]
+    };
+    model.dofs.index.iter().zip(inertia).map(inverse).collect()
+}
+
+/// Sum of the resistances of the faces around each node \[N·s/m\].
+pub fn resistances(drag: &Drag, nodes: &[Vector3<f64>]) -> Vec<Matrix3<f64>> {
+    let mut sum = vec![Matrix3::zeros(); nodes.len()];
+    for s in 0..drag.count() {
+        let stencil = drag.nodes(s).map(|n| n as usize);
+        let of_face = drag.resistance(&stencil.map(|n| nodes[n]));
+        stencil.iter().for_each(|&n| sum[n] += of_face);
+    }
+    sum
 }
 
 /// Moves the nodes and returns the largest speed of a vertex \[m/s\].

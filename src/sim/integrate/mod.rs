@@ -14,8 +14,12 @@ mod gradient_flow;
 mod held;
 mod impulse;
 mod stable;
+pub use stable::quickest;
 #[cfg(test)]
 mod test;
+pub mod xpbd;
+
+pub use stable::MARGIN;
 
 use nalgebra::Vector3;
 
