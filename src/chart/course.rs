@@ -28,6 +28,8 @@ pub(super) struct Course {
     pub simulated: f64,
     /// Steps, and the work of all of them.
     pub sum: StepReport,
+    /// Steps that ended above the tolerance.
+    pub starved: u64,
 }
 
 impl Course {
@@ -90,11 +92,8 @@ impl Course {
     fn count(&mut self, report: &StepReport, time: f64) {
         self.simulated = time;
         self.sum.step += 1;
-        let (sum, work) = (&mut self.sum.work, report.work);
-        sum.substeps += work.substeps.max(1);
-        sum.rejected += work.rejected;
-        sum.iterations += work.iterations;
-        sum.factorisations += work.factorisations;
+        self.sum.work += report.work;
+        self.starved += u64::from(!report.converged);
     }
 }
 

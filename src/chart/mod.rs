@@ -3,13 +3,16 @@
 //! - [`picture`]: a sheet with its obstacles, shaded, in one frame or a strip of frames.
 //! - [`diagram`]: the report of a laboratory instrument.
 //! - [`drape`]: the audit of the paper's drape tables.
-//! - [`work_precision`]: error against CPU time of every scheme and step, failures included.
+//! - [`work_precision`]: error against CPU time of every method, step and mesh, failures included.
+//! - [`plan`]: the cheapest method, step and mesh within a tolerance.
+//! - [`stability`]: where a method converges, goes wrong, is lost: step, stiffness, mesh.
 
 mod course;
 pub mod diagram;
 pub mod drape;
 mod drape_plot;
 mod lettering;
+pub mod peers;
 pub mod picture;
 mod picture_camera;
 mod picture_cloth;
@@ -18,13 +21,17 @@ mod picture_labels;
 mod picture_light;
 mod picture_solids;
 mod picture_strip;
+pub mod plan;
 pub mod plot;
 mod plot_frame;
 mod plot_marks;
 mod plot_points;
+pub mod problems;
 mod raster;
 pub mod reference;
 pub mod rows;
+pub mod stability;
+pub mod stability_plot;
 pub mod work_precision;
 
 pub use course::{CpuClock, Watch};

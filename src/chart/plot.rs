@@ -12,7 +12,7 @@ use super::plot_frame::{
 use super::plot_marks::{color, crosses, curves, mark, step_labels};
 use super::plot_points::{Arranged, arrange, log_range};
 use super::rows::Row;
-use crate::scene::Scheme;
+use crate::scene::Method;
 
 pub use super::plot_marks::CROSS_GLYPH;
 
@@ -34,6 +34,8 @@ pub struct Caption {
     pub uncertainty: f64,
     /// Where the reference comes from.
     pub source: String,
+    /// Other programs: label, CPU seconds per simulated second, error.
+    pub peers: Vec<(String, f64, f64)>,
 }
 
 /// Draws the rows of one scene.
@@ -54,7 +56,7 @@ pub fn chart(caption: &Caption, rows: &[Row]) -> Result<String, DrawError> {
         legend(&root, &arranged)?;
         let body = root.margin(112, 40, 0, 0);
         let (left, right) = body.split_horizontally(710);
-        let errors = error_range(&arranged, caption.uncertainty);
+        let errors = error_range(&arranged, caption);
         step_panel(&left, &arranged, caption, errors)?;
         cpu_panel(&right, &arranged, caption, errors)?;
         root.present().map_err(fault)?;
@@ -63,9 +65,14 @@ pub fn chart(caption: &Caption, rows: &[Row]) -> Result<String, DrawError> {
 }
 
 /// Lowest and highest error, and where the band of failures begins.
-fn error_range(arranged: &Arranged, uncertainty: f64) -> (f64, f64, f64) {
-    let errors = arranged.curves.iter().flat_map(|(_, c)| c).map(|p| p.error);
-    let (low, high) = log_range(errors.chain([uncertainty]));
+fn error_range(arranged: &Arranged, caption: &Caption) -> (f64, f64, f64) {
+    let errors = arranged
+        .curves
+        .iter()
+        .flat_map(|c| &c.points)
+        .map(|p| p.error);
+    let others = caption.peers.iter().map(|(_, _, error)| *error);
+    let (low, high) = log_range(errors.chain(others).chain([caption.uncertainty]));
     let band = (high / low).powf(0.07 + 0.03 * arranged.crosses.len().min(4) as f64);
     (low, high * band, high)
 }
@@ -86,20 +93,20 @@ fn heading(root: &Area, caption: &Caption) -> Result<(), DrawError> {
 fn legend(root: &Area, arranged: &Arranged) -> Result<(), DrawError> {
     let mut x = 30;
     let y = 92;
-    for scheme in Scheme::IN_TIME {
-        let drawn = arranged.curves.iter().any(|(s, _)| *s == scheme)
-            || arranged.crosses.iter().any(|c| c.scheme == scheme);
+    for method in Method::IN_TIME {
+        let drawn = arranged.curves.iter().any(|curve| curve.method == method)
+            || arranged.crosses.iter().any(|c| c.method == method);
         if !drawn {
             continue;
         }
-        let ink = color(scheme);
+        let ink = color(method);
         let line = PathElement::new(vec![(x, y), (x + 44, y)], ink.stroke_width(2));
         root.draw(&line).map_err(fault)?;
-        mark(root, scheme, (x + 22, y))?;
+        mark(root, method, (x + 22, y))?;
         let style = at(font(17, INK), HPos::Left, VPos::Center);
-        root.draw_text(scheme.name(), &style, (x + 54, y))
+        root.draw_text(&method.name(), &style, (x + 54, y))
             .map_err(fault)?;
-        x += 90 + 8 * scheme.name().len() as i32;
+        x += 90 + 8 * method.name().len() as i32;
     }
     if !arranged.front.is_empty() {
         let line = PathElement::new(vec![(x, y), (x + 44, y)], FRONT.stroke_width(9));
@@ -117,7 +124,7 @@ fn step_panel(
     caption: &Caption,
     errors: (f64, f64, f64),
 ) -> Result<(), DrawError> {
-    let points = arranged.curves.iter().flat_map(|(_, c)| c).map(|p| p.dt);
+    let points = arranged.curves.iter().flat_map(|c| &c.points).map(|p| p.dt);
     let range = log_range(points.chain(arranged.crosses.iter().map(|c| c.dt)));
     let mut panel = frame(area, caption, "step or substep [s]", range, errors)?;
     ground(area, &mut panel, caption, range, errors)?;
@@ -132,9 +139,14 @@ fn cpu_panel(
     caption: &Caption,
     errors: (f64, f64, f64),
 ) -> Result<(), DrawError> {
-    let points = arranged.curves.iter().flat_map(|(_, c)| c).map(|p| p.cpu);
+    let points = arranged
+        .curves
+        .iter()
+        .flat_map(|c| &c.points)
+        .map(|p| p.cpu);
     let dead = arranged.crosses.iter().map(|c| c.cpu);
-    let range = log_range(points.chain(dead).chain([1.0]));
+    let others = caption.peers.iter().map(|(_, cpu, _)| *cpu);
+    let range = log_range(points.chain(dead).chain(others).chain([1.0]));
     let label = "CPU seconds per simulated second [-], one thread";
     let mut panel = frame(area, caption, label, range, errors)?;
     ground(area, &mut panel, caption, range, errors)?;
@@ -156,5 +168,12 @@ fn cpu_panel(
     panel.draw_series([front]).map_err(fault)?;
     curves(area, &mut panel, arranged, |p| p.cpu)?;
     step_labels(area, &panel, arranged)?;
+    for (label, cpu, error) in &caption.peers {
+        let (x, y) = to_local(area, panel.backend_coord(&(*cpu, *error)));
+        let square = Rectangle::new([(x - 6, y - 6), (x + 6, y + 6)], INK.stroke_width(2));
+        area.draw(&square).map_err(fault)?;
+        let style = at(font(14, INK), HPos::Right, VPos::Center);
+        area.draw_text(label, &style, (x - 11, y)).map_err(fault)?;
+    }
     crosses(area, &panel, arranged, range, errors, |c| c.cpu)
 }

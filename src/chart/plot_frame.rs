@@ -135,7 +135,7 @@ pub(super) fn guides(
     x: (f64, f64),
     (low, _, top): (f64, f64, f64),
 ) -> Result<(), DrawError> {
-    let all: Vec<&Point> = arranged.curves.iter().flat_map(|(_, c)| c).collect();
+    let all: Vec<&Point> = arranged.curves.iter().flat_map(|c| &c.points).collect();
     let Some(anchor) = all.iter().max_by(|a, b| a.error.total_cmp(&b.error)) else {
         return Ok(());
     };

@@ -6,14 +6,19 @@ use plotters::style::text_anchor::{HPos, VPos};
 use super::lettering::DrawError;
 use super::plot_frame::{Area, Panel, at, fault, font, to_local};
 use super::plot_points::{Arranged, Cross, Point};
-use crate::scene::Scheme;
+use crate::scene::{Method, Scheme, Solver};
 
 /// Class name in the SVG of nothing but failures: one `<text>` of this glyph for each.
 pub const CROSS_GLYPH: &str = "✕";
 
-pub(super) fn color(scheme: Scheme) -> RGBColor {
+pub(super) fn color(method: Method) -> RGBColor {
     // Okabe and Ito: distinct for every kind of colour vision.
-    match scheme {
+    match method.solver {
+        Solver::QuasiNewton => return RGBColor(86, 180, 233),
+        Solver::Xpbd => return RGBColor(230, 159, 0),
+        Solver::Newton => {}
+    }
+    match method.scheme {
         Scheme::BackwardEuler => RGBColor(213, 94, 0),
         Scheme::Bdf2 => RGBColor(0, 114, 178),
         Scheme::GeneralisedAlpha => RGBColor(0, 158, 115),
@@ -22,15 +27,15 @@ pub(super) fn color(scheme: Scheme) -> RGBColor {
     }
 }
 
-/// The marker of a scheme at a place in pixels.
-pub(super) fn mark(area: &Area, scheme: Scheme, (x, y): (i32, i32)) -> Result<(), DrawError> {
+/// The marker of a method at a place in pixels.
+pub(super) fn mark(area: &Area, method: Method, (x, y): (i32, i32)) -> Result<(), DrawError> {
     let r = 6;
-    let corners: Vec<(i32, i32)> = match scheme {
+    let corners: Vec<(i32, i32)> = match method.scheme {
         Scheme::BackwardEuler => {
             let halo = Circle::new((x, y), r + 2, WHITE.filled());
             area.draw(&halo).map_err(fault)?;
             return area
-                .draw(&Circle::new((x, y), r, color(scheme).filled()))
+                .draw(&Circle::new((x, y), r, color(method).filled()))
                 .map_err(fault);
         }
         Scheme::Bdf2 => vec![(-r, -r), (r, -r), (r, r), (-r, r)],
@@ -39,7 +44,7 @@ pub(super) fn mark(area: &Area, scheme: Scheme, (x, y): (i32, i32)) -> Result<()
             vec![(0, -r - 2), (r + 2, 0), (0, r + 2), (-r - 2, 0)]
         }
     };
-    for (scale, ink) in [(1.35, WHITE), (1.0, color(scheme))] {
+    for (scale, ink) in [(1.35, WHITE), (1.0, color(method))] {
         let place = |(a, b): &(i32, i32)| {
             (
                 x + (f64::from(*a) * scale) as i32,
@@ -58,16 +63,18 @@ pub(super) fn curves(
     arranged: &Arranged,
     x: impl Fn(&Point) -> f64,
 ) -> Result<(), DrawError> {
-    for (scheme, points) in &arranged.curves {
+    for curve in &arranged.curves {
+        let points = &curve.points;
         let path: Vec<(f64, f64)> = points.iter().map(|p| (x(p), p.error)).collect();
-        let line = PathElement::new(path.clone(), color(*scheme).stroke_width(2));
+        let line = PathElement::new(path.clone(), color(curve.method).stroke_width(2));
         panel.draw_series([line]).map_err(fault)?;
     }
-    for (scheme, points) in &arranged.curves {
+    for curve in &arranged.curves {
+        let points = &curve.points;
         for p in points {
             mark(
                 area,
-                *scheme,
+                curve.method,
                 to_local(area, panel.backend_coord(&(x(p), p.error))),
             )?;
         }
@@ -83,7 +90,8 @@ pub(super) fn step_labels(
 ) -> Result<(), DrawError> {
     let place = |p: &Point| to_local(area, panel.backend_coord(&(p.cpu, p.error)));
     let mut taken = obstructions(arranged, place);
-    for (scheme, points) in &arranged.curves {
+    for curve in &arranged.curves {
+        let points = &curve.points;
         for p in points {
             let (x, y) = place(p);
             let (w, h) = (7 * p.label.chars().count() as i32 + 2, 15);
@@ -108,7 +116,7 @@ pub(super) fn step_labels(
                 continue;
             };
             taken.push(chosen);
-            let style = at(font(14, color(*scheme)), HPos::Left, VPos::Top);
+            let style = at(font(14, color(curve.method)), HPos::Left, VPos::Top);
             area.draw_text(&p.label, &style, (chosen[0], chosen[1]))
                 .map_err(fault)?;
         }
@@ -126,7 +134,8 @@ pub(super) fn obstructions(
     place: impl Fn(&Point) -> (i32, i32),
 ) -> Vec<[i32; 4]> {
     let mut taken = vec![];
-    for (_, points) in &arranged.curves {
+    for curve in &arranged.curves {
+        let points = &curve.points;
         for (x, y) in points.iter().map(&place) {
             taken.extend([[x - 8, y - 8, x + 8, y + 8]; 3]);
         }
@@ -154,7 +163,7 @@ pub(super) fn crosses(
         let level = top * (high / top).powf(1.0 - (k as f64 + 1.0) / (count + 1.0));
         let value = x(cross).clamp(range.0 * 1.05, range.1 / 1.05);
         let (px, py) = to_local(area, panel.backend_coord(&(value, level)));
-        let ink = color(cross.scheme);
+        let ink = color(cross.method);
         let style = at(font(22, ink), HPos::Center, VPos::Center);
         area.draw_text(CROSS_GLYPH, &style, (px, py))
             .map_err(fault)?;

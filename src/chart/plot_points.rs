@@ -1,7 +1,7 @@
 //! Rows of one scene arranged for drawing: curves, failures, front, ranges.
 
 use super::rows::{Asked, Outcome, Row};
-use crate::scene::Scheme;
+use crate::scene::Method;
 
 /// A run that ended, in the coordinates of both panels.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,17 +15,24 @@ pub(super) struct Point {
 /// A run that died.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Cross {
-    pub scheme: Scheme,
+    pub method: Method,
     pub dt: f64,
     pub cpu: f64,
     pub label: String,
 }
 
+/// Runs of one method on one mesh.
+#[derive(Clone, Debug)]
+pub(super) struct Curve {
+    pub method: Method,
+    pub points: Vec<Point>,
+}
+
 /// All that one chart shows.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Arranged {
-    /// One curve a scheme that has points, by rising step.
-    pub curves: Vec<(Scheme, Vec<Point>)>,
+    /// One curve a method and mesh that has points, by rising step.
+    pub curves: Vec<Curve>,
     pub crosses: Vec<Cross>,
     /// Corners (CPU, error) of the runs that no other run beats in both.
     pub front: Vec<(f64, f64)>,
@@ -36,15 +43,19 @@ const LEAST: f64 = 1e-9;
 
 pub(super) fn arrange(rows: &[&Row]) -> Arranged {
     let mut out = Arranged::default();
-    for scheme in Scheme::IN_TIME {
+    let mut meshes: Vec<&str> = rows.iter().map(|r| r.key.mesh.as_str()).collect();
+    meshes.sort_unstable();
+    meshes.dedup();
+    let all = Method::IN_TIME.into_iter();
+    for (method, mesh) in all.flat_map(|method| meshes.iter().map(move |mesh| (method, *mesh))) {
         let mut points: Vec<Point> = rows
             .iter()
-            .filter(|r| r.key.scheme == scheme)
+            .filter(|r| r.key.method == method && r.key.mesh == mesh)
             .filter_map(|r| point(r))
             .collect();
         points.sort_by(|a, b| a.dt.total_cmp(&b.dt));
         if !points.is_empty() {
-            out.curves.push((scheme, points));
+            out.curves.push(Curve { method, points });
         }
     }
     out.crosses = rows.iter().filter_map(|r| cross(r)).collect();
@@ -72,7 +83,7 @@ fn cross(row: &Row) -> Option<Cross> {
     };
     let label = format!("{}, died at {} s", step_text(row), short(*time));
     Some(Cross {
-        scheme: row.key.scheme,
+        method: row.key.method,
         dt,
         cpu: row.cpu_rate(),
         label,
@@ -104,10 +115,10 @@ pub(super) fn short(x: f64) -> String {
     }
 }
 
-fn front(curves: &[(Scheme, Vec<Point>)]) -> Vec<(f64, f64)> {
+fn front(curves: &[Curve]) -> Vec<(f64, f64)> {
     let mut all: Vec<(f64, f64)> = curves
         .iter()
-        .flat_map(|(_, c)| c)
+        .flat_map(|c| &c.points)
         .map(|p| (p.cpu, p.error))
         .collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));

@@ -37,6 +37,12 @@ impl Reference {
             .fold(0.0, f64::max)
     }
 
+    /// Largest distance from another course at the same times \[m\].
+    pub fn largest_distance(&self, other: &Self) -> f64 {
+        let pairs = self.displacements.iter().zip(&other.displacements);
+        pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
+    }
+
     /// The released strip's tip; 100 mm long, clamped at the origin, let go along x.
     pub fn strip_release() -> Result<Self, ReferenceError> {
         let rows = numbers(STRIP, 5)?;

@@ -1,6 +1,7 @@
 //! Rows of the work-precision chart as tidy CSV: one run a row, failures included.
 
-use crate::scene::Scheme;
+use crate::scene::Method;
+use crate::sim::Work;
 
 /// The step that a run asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,8 +37,8 @@ pub struct Key {
     pub fabric: String,
     /// Mesh as asked for, with the number of triangles or the edge length.
     pub mesh: String,
-    /// Time scheme.
-    pub scheme: Scheme,
+    /// Scheme and solver.
+    pub method: Method,
     /// Step asked for.
     pub asked: Asked,
 }
@@ -78,14 +79,23 @@ pub struct Row {
     pub simulated: f64,
     /// Steps taken.
     pub steps: u64,
-    /// Substeps taken.
-    pub substeps: u64,
-    /// Attempts repeated smaller.
-    pub rejected: u64,
-    /// Newton iterations.
-    pub iterations: u64,
-    /// Numerical factorisations.
-    pub factorisations: u64,
+    /// Steps that ended above the tolerance.
+    pub starved: u64,
+    /// Work counted.
+    pub work: Work,
+    /// The error by its causes.
+    pub parts: Parts,
+}
+
+/// An error taken apart, each over the chart's length \[-\]; nothing where it was not measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Parts {
+    /// What the equations of a step are not solved by: against the same run with a thousandth of the tolerance.
+    pub algebra: Option<f64>,
+    /// What the step costs: against small explicit steps on the same mesh.
+    pub time: Option<f64>,
+    /// What the mesh costs: small explicit steps on this mesh against the reference.
+    pub space: Option<f64>,
 }
 
 impl Row {
@@ -104,8 +114,9 @@ impl Row {
 }
 
 /// Columns, in order.
-const HEADER: &str = "scene,fabric,mesh,scheme,asked_dt_s,triangles,dt_s,tolerance,status,error,died_at_s,\
-cpu_s,simulated_s,steps,substeps,rejected,iterations,factorisations,message";
+const HEADER: &str = "scene,fabric,mesh,method,asked_dt_s,triangles,dt_s,tolerance,status,error,error_algebra,\
+error_time,error_space,died_at_s,cpu_s,simulated_s,steps,starved,substeps,rejected,iterations,evaluations,\
+factorisations,indefinite,constant,solves,halvings,message";
 
 /// A CSV file that cannot be resumed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -138,8 +149,9 @@ pub fn to_csv(rows: &[Row]) -> String {
     text
 }
 
-fn fields(row: &Row) -> [String; 19] {
-    let key = &row.key;
+fn fields(row: &Row) -> [String; 28] {
+    let (key, work) = (&row.key, &row.work);
+    let maybe = |part: Option<f64>| part.map_or(String::new(), |part| format!("{part:e}"));
     let (status, error, died, message) = match &row.outcome {
         Outcome::Done { error } => ("done", format!("{error:e}"), String::new(), String::new()),
         Outcome::Died { time, message } => {
@@ -150,21 +162,30 @@ fn fields(row: &Row) -> [String; 19] {
         key.scene.clone(),
         key.fabric.clone(),
         key.mesh.clone(),
-        key.scheme.name().to_string(),
+        key.method.name(),
         key.asked.text(),
         row.triangles.to_string(),
         format!("{:e}", row.dt),
         format!("{:e}", row.tolerance),
         status.to_string(),
         error,
+        maybe(row.parts.algebra),
+        maybe(row.parts.time),
+        maybe(row.parts.space),
         died,
         format!("{}", row.cpu),
         format!("{}", row.simulated),
         row.steps.to_string(),
-        row.substeps.to_string(),
-        row.rejected.to_string(),
-        row.iterations.to_string(),
-        row.factorisations.to_string(),
+        row.starved.to_string(),
+        work.substeps.to_string(),
+        work.rejected.to_string(),
+        work.iterations.to_string(),
+        work.evaluations.to_string(),
+        work.factorisations.to_string(),
+        work.indefinite.to_string(),
+        work.constant.to_string(),
+        work.solves.to_string(),
+        work.halvings.to_string(),
         message,
     ]
 }
@@ -201,15 +222,17 @@ fn row(line: &str, number: usize) -> Result<Row, RowsError> {
         },
         _ => return Err(fields.refuse("status")),
     };
-    let scheme = Scheme::IN_TIME
-        .into_iter()
-        .find(|s| s.name() == fields.text("scheme"));
+    let maybe = |column| match fields.text(column) {
+        "" => Ok(None),
+        _ => fields.number::<f64>(column).map(Some),
+    };
+    let count = |column| fields.number::<u64>(column);
     Ok(Row {
         key: Key {
             scene: fields.text("scene").to_string(),
             fabric: fields.text("fabric").to_string(),
             mesh: fields.text("mesh").to_string(),
-            scheme: scheme.ok_or_else(|| fields.refuse("scheme"))?,
+            method: Method::named(fields.text("method")).ok_or_else(|| fields.refuse("method"))?,
             asked: Asked::parse(fields.text("asked_dt_s"))
                 .ok_or_else(|| fields.refuse("asked_dt_s"))?,
         },
@@ -220,10 +243,24 @@ fn row(line: &str, number: usize) -> Result<Row, RowsError> {
         cpu: time("cpu_s")?,
         simulated: time("simulated_s")?,
         steps: fields.number("steps")?,
-        substeps: fields.number("substeps")?,
-        rejected: fields.number("rejected")?,
-        iterations: fields.number("iterations")?,
-        factorisations: fields.number("factorisations")?,
+        starved: count("starved")?,
+        work: Work {
+            substeps: count("substeps")?,
+            rejected: count("rejected")?,
+            iterations: count("iterations")?,
+            evaluations: count("evaluations")?,
+            factorisations: count("factorisations")?,
+            indefinite: count("indefinite")?,
+            constant: count("constant")?,
+            tests: 0,
+            solves: count("solves")?,
+            halvings: count("halvings")?,
+        },
+        parts: Parts {
+            algebra: maybe("error_algebra")?,
+            time: maybe("error_time")?,
+            space: maybe("error_space")?,
+        },
     })
 }
 

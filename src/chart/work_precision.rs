@@ -1,4 +1,4 @@
-//! Error against CPU time of every scheme and step: each run becomes a [`Row`], also one that dies.
+//! Error against CPU time of every method, step and mesh: each run becomes a [`Row`], also one that dies.
 //!
 //! The CPU clock is handed in, since nothing in this crate's core reads a clock; it counts the steps only,
 //! not the building of mesh and matrices, in one thread.
@@ -7,15 +7,14 @@ use nalgebra::Vector2;
 
 use super::course::{Course, CpuClock, Watch};
 use super::reference::{Reference, ReferenceError};
-use super::rows::{Asked, Key, Outcome, Row};
-use crate::scene::{MethodSpec, Perturbation, Scene, Scheme};
-use crate::sheet::Outline;
+use super::rows::{Asked, Key, Outcome, Parts, Row};
+use crate::scene::{Method, MethodSpec, Scene, Scheme, Solver, StableLimit};
 use crate::sim::Simulation;
 
-/// A scene with an observed point, the times at which it is compared, and the steps to try.
+/// A scene with an observed point, the times at which it is compared, and the steps and meshes to try.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// The scene; its scheme and step are replaced in every run.
+    /// The scene; its method, step and mesh are replaced in every run.
     pub scene: Scene,
     /// Points in the sheet's x, y \[m\]; their mean displacement is compared.
     pub points: Vec<Vector2<f64>>,
@@ -27,13 +26,17 @@ pub struct Problem {
     pub length: Option<f64>,
     /// Implicit steps \[s\]; each divides every comparison time.
     pub steps: Vec<f64>,
+    /// Meshes, by their number of triangles.
+    pub meshes: Vec<usize>,
+    /// Mesh of a reference still to be made.
+    pub finest: usize,
 }
 
 /// A scene that has no chart, or a reference that could not be had.
 #[derive(Debug, thiserror::Error)]
 pub enum ChartError {
-    /// Nobody has said what to compare it with.
-    #[error("scene `{0}` has no reference; there are `strip-release` and `four-edges`")]
+    /// Nobody has said what to look at.
+    #[error("scene `{0}` observes nothing that could be compared; give it an [observe.NAME]")]
     NoReference(String),
     /// The embedded reference is damaged.
     #[error(transparent)]
@@ -51,60 +54,22 @@ pub enum ChartError {
 }
 
 impl Problem {
-    /// The chart that belongs to a scene, by its name.
-    pub fn of(scene: Scene) -> Result<Self, ChartError> {
-        match scene.name.as_str() {
-            "strip-release" => Ok(Self::strip_release(scene)?),
-            "four-edges" => Ok(Self::four_edges(scene)),
-            name => Err(ChartError::NoReference(name.to_string())),
-        }
+    /// Times at which the problem is looked at \[s\].
+    fn times(&self) -> &[f64] {
+        self.reference.as_ref().map_or(&self.times, |r| &r.times)
     }
 
-    /// A horizontal strip is let go; its tip against an independent code.
-    fn strip_release(mut scene: Scene) -> Result<Self, ChartError> {
-        scene.duration = 0.3;
-        scene.damping = 0.0;
-        scene.gravity = [0.0, 0.0, -9.80665];
-        scene.perturbation = Perturbation::default();
-        let Outline::Rectangle { length, width } = scene.sheet.outline else {
-            return Err(ChartError::NoReference(scene.name));
-        };
-        Ok(Self {
-            scene,
-            points: [-1.0, -0.5, 0.0, 0.5, 1.0]
-                .map(|s| 0.5 * Vector2::new(length, s * width))
-                .to_vec(),
-            reference: Some(Reference::strip_release()?),
-            times: vec![],
-            length: Some(length),
-            steps: vec![10e-3, 5e-3, 2e-3, 1e-3, 0.5e-3],
-        })
-    }
-
-    /// A square pinned along its boundary falls into its sag; its centre against small explicit steps.
-    fn four_edges(mut scene: Scene) -> Self {
-        scene.duration = 0.1;
-        scene.damping = 0.1;
-        scene.sheet.triangles = Some(800);
-        scene.sheet.edge = None;
-        scene.perturbation = Perturbation::default();
-        Self {
-            scene,
-            points: vec![Vector2::zeros()],
-            reference: None,
-            times: (1..=20).map(|k| f64::from(k) * 5e-3).collect(),
-            length: None,
-            steps: vec![5e-3, 2.5e-3, 1e-3, 0.5e-3, 0.25e-3],
-        }
-    }
-
-    /// Makes the reference with the explicit scheme at a quarter of its limit; what it differs from the run at
-    /// half the limit, which is three times its own error to be, is its uncertainty.
-    pub fn make_reference(&self, watch: &mut Watch) -> Result<Reference, ChartError> {
+    /// The truth of one mesh: the explicit scheme at half its limit. What it differs from the run at the limit is
+    /// three times its own error to be, and stands as its uncertainty.
+    pub fn truth_on(&self, triangles: usize, watch: &mut Watch) -> Result<Reference, ChartError> {
         let mut runs = vec![];
-        for (part, done, share) in [(4, 0.0, 0.67), (2, 0.67, 0.33)] {
-            let key = self.key(Scheme::CentralDifference, Asked::Limit(part));
-            let course = self.course(&key, &self.times, &mut || 0.0, &mut |f| {
+        for (part, done, share) in [(2, 0.0, 0.67), (1, 0.67, 0.33)] {
+            let key = self.key(
+                Scheme::CentralDifference.into(),
+                Asked::Limit(part),
+                triangles,
+            );
+            let course = self.course(&key, self.times(), &mut || 0.0, &mut |f| {
                 watch(done + share * f);
             });
             if let Some((time, message)) = course.died {
@@ -119,43 +84,53 @@ impl Problem {
         }
         let apart = runs[0].iter().zip(&runs[1]).map(|(a, b)| (a - b).norm());
         Ok(Reference {
-            times: self.times.clone(),
+            times: self.times().to_vec(),
             uncertainty: apart.fold(0.0, f64::max),
             displacements: runs.swap_remove(0),
-            source: "central-difference at a quarter of its limit, same mesh".to_string(),
+            source: format!("central-difference at half its limit, {triangles} triangles"),
+        })
+    }
+
+    /// Makes the reference on the finest mesh. To its uncertainty counts a third of what it differs from a mesh of a
+    /// quarter of the triangles, its error to be at second order.
+    pub fn make_reference(&self, watch: &mut Watch) -> Result<Reference, ChartError> {
+        let coarse = self.truth_on(self.finest / 4, &mut |f| watch(0.15 * f))?;
+        let fine = self.truth_on(self.finest, &mut |f| watch(0.15 + 0.85 * f))?;
+        let uncertainty = fine.uncertainty + fine.largest_distance(&coarse) / 3.0;
+        Ok(Reference {
+            uncertainty,
+            ..fine
         })
     }
 
     /// Keys of every run, in the order to run them: the cheap ones first.
     pub fn plan(&self) -> Vec<Key> {
         let mut keys = vec![];
-        for scheme in Scheme::IN_TIME {
-            match scheme {
-                Scheme::CentralDifference => {
-                    keys.extend([1, 2].map(|part| self.key(scheme, Asked::Limit(part))));
-                }
-                _ => keys.extend(
-                    self.steps
-                        .iter()
-                        .map(|dt| self.key(scheme, Asked::Step(*dt))),
-                ),
+        let mut meshes = self.meshes.clone();
+        meshes.sort_unstable();
+        for triangles in meshes {
+            for method in Method::IN_TIME {
+                let asked: Vec<Asked> = match method.scheme {
+                    Scheme::CentralDifference => [1, 2].map(Asked::Limit).to_vec(),
+                    _ => self.steps.iter().map(|dt| Asked::Step(*dt)).collect(),
+                };
+                keys.extend(
+                    asked
+                        .into_iter()
+                        .map(|asked| self.key(method, asked, triangles)),
+                );
             }
         }
         keys
     }
 
-    fn key(&self, scheme: Scheme, asked: Asked) -> Key {
-        let sheet = &self.scene.sheet;
-        let mesh = match (sheet.triangles, sheet.edge) {
-            (Some(n), _) => format!("triangles={n}"),
-            (None, Some(edge)) => format!("edge={edge}"),
-            (None, None) => "default".to_string(),
-        };
+    /// The key of a run.
+    pub fn key(&self, method: Method, asked: Asked, triangles: usize) -> Key {
         Key {
             scene: self.scene.name.clone(),
             fabric: self.scene.fabric.name.clone(),
-            mesh,
-            scheme,
+            mesh: format!("triangles={triangles}"),
+            method,
             asked,
         }
     }
@@ -165,21 +140,32 @@ impl Problem {
         self.length.unwrap_or_else(|| reference.largest())
     }
 
-    /// Runs one key against a reference.
+    /// Runs one key against a reference, and against the truth of its own mesh if that is given; then a run of Newton's
+    /// is repeated with a thousandth of its tolerance, to see what its equations are not solved by.
     pub fn run(
         &self,
         key: &Key,
-        reference: &Reference,
+        (reference, own): (&Reference, Option<&Reference>),
         cpu: &mut CpuClock,
         watch: &mut Watch,
     ) -> Row {
         let course = self.course(key, &reference.times, cpu, watch);
-        let apart = course.displacements.iter().zip(&reference.displacements);
-        let worst = apart.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+        let length = self.error_length(reference);
+        let seen = |course: &Course| Reference {
+            displacements: course.displacements.clone(),
+            ..reference.clone()
+        };
+        let mine = seen(&course);
+        let mut parts = Parts::default();
+        if let (Some(own), None) = (own, &course.died) {
+            parts.time = Some(mine.largest_distance(own) / length);
+            parts.space = Some(own.largest_distance(reference) / length);
+            parts.algebra = self.algebra(key, &mine).map(|error| error / length);
+        }
         let outcome = match course.died {
             Some((time, message)) => Outcome::Died { time, message },
             None => Outcome::Done {
-                error: worst / self.error_length(reference),
+                error: mine.largest_distance(reference) / length,
             },
         };
         Row {
@@ -191,18 +177,35 @@ impl Problem {
             cpu: course.cpu,
             simulated: course.simulated,
             steps: course.sum.step,
-            substeps: course.sum.work.substeps,
-            rejected: course.sum.work.rejected,
-            iterations: course.sum.work.iterations,
-            factorisations: course.sum.work.factorisations,
+            starved: course.starved,
+            work: course.sum.work,
+            parts,
         }
+    }
+
+    /// How far a run of Newton's is from one with a thousandth of the tolerance \[m\].
+    fn algebra(&self, key: &Key, mine: &Reference) -> Option<f64> {
+        let explicit = key.method.scheme == Scheme::CentralDifference;
+        if explicit || key.method.solver != Solver::Newton {
+            return None;
+        }
+        let mut exact = self.clone();
+        exact.scene.method.tolerance = (1e-3 * exact.scene.method.tolerance).max(1e-10);
+        let course = exact.course(key, &mine.times, &mut || 0.0, &mut |_| {});
+        course.died.is_none().then(|| {
+            let exact = Reference {
+                displacements: course.displacements,
+                ..mine.clone()
+            };
+            mine.largest_distance(&exact)
+        })
     }
 
     /// Runs a key and looks at the observed point at the given times.
     fn course(&self, key: &Key, times: &[f64], cpu: &mut CpuClock, watch: &mut Watch) -> Course {
-        let ready = self.method_of(key).and_then(|method| {
-            let simulation = start(&self.with(method))?;
-            Ok((method.dt, simulation))
+        let ready = self.scene_of(key).and_then(|scene| {
+            let simulation = start(&scene)?;
+            Ok((scene.method.dt, simulation))
         });
         match ready {
             Ok((dt, simulation)) => Course::run(simulation, dt, &self.points, times, cpu, watch),
@@ -210,31 +213,38 @@ impl Problem {
         }
     }
 
-    /// The method of a key; a share of the explicit limit is taken of the substep that the scheme chooses.
-    fn method_of(&self, key: &Key) -> Result<MethodSpec, String> {
+    /// The scene of a key. A share of the explicit limit is taken of the substep that the scheme chooses; a step given
+    /// to the explicit scheme is its substep, stable or not.
+    pub fn scene_of(&self, key: &Key) -> Result<Scene, String> {
+        let mut scene = self.scene.clone();
+        if let Some(triangles) = key.mesh.strip_prefix("triangles=") {
+            scene.sheet.triangles = triangles.parse().ok();
+            scene.sheet.edge = None;
+        }
         let method = MethodSpec {
-            scheme: key.scheme,
             substep: None,
-            ..self.scene.method
+            ..scene.method.with(key.method)
         };
+        let explicit = key.method.scheme == Scheme::CentralDifference;
         let part = match key.asked {
-            Asked::Step(dt) => return Ok(MethodSpec { dt, ..method }),
+            Asked::Step(dt) => {
+                scene.method = MethodSpec { dt, ..method };
+                if explicit {
+                    scene.method.substep = Some(dt);
+                    scene.method.limit = StableLimit::Ignore;
+                }
+                return Ok(scene);
+            }
             Asked::Limit(part) => part,
         };
         let dt = self.steps.iter().copied().fold(f64::INFINITY, f64::min);
-        let outer = MethodSpec { dt, ..method };
-        let mut simulation = start(&self.with(outer))?;
-        let report = simulation.step().map_err(|d| d.to_string())?;
-        let substep = dt / (report.work.substeps.max(1) * u64::from(part)) as f64;
-        let substep = (part > 1).then_some(substep);
-        Ok(MethodSpec { substep, ..outer })
-    }
-
-    fn with(&self, method: MethodSpec) -> Scene {
-        Scene {
-            method,
-            ..self.scene.clone()
+        scene.method = MethodSpec { dt, ..method };
+        if part > 1 {
+            let substep = start(&scene)?.substep().unwrap_or(dt).min(dt);
+            let parts = (dt / substep).ceil() * f64::from(part);
+            scene.method.substep = Some(dt / parts);
         }
+        Ok(scene)
     }
 }
 
@@ -250,5 +260,5 @@ pub fn label(key: &Key) -> String {
         Asked::Limit(1) => "at its limit".to_string(),
         Asked::Limit(part) => format!("at 1/{part} of its limit"),
     };
-    format!("{} {} {step}", key.scene, key.scheme.name())
+    format!("{} {} {} {step}", key.scene, key.mesh, key.method.name())
 }

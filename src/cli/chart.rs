@@ -6,18 +6,22 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 use cpu_time::ProcessTime;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use super::chart_stability::StabilityArgs;
+use super::progress::share_bar;
 use super::{CliError, output, source};
+use crate::chart::peers::Peer;
 use crate::chart::plot::{Caption, chart};
 use crate::chart::png_of_svg;
+use crate::chart::problems::CHARTED;
 use crate::chart::reference::Reference;
-use crate::chart::rows::{self, Row};
+use crate::chart::rows::{self, Key, Row};
 use crate::chart::work_precision::{ChartError, Problem, label};
+use crate::chart::{CpuClock, Watch};
 use crate::node::NodeError;
 
 /// Pixels to the unit of the SVG in the PNG beside it.
-const PNG_SCALE: f32 = 1.5;
+pub(super) const PNG_SCALE: f32 = 1.5;
 
 /// Arguments of `toile chart`.
 #[derive(Args)]
@@ -28,13 +32,16 @@ pub struct ChartArgs {
 
 #[derive(Subcommand)]
 enum What {
-    /// Error against CPU time of every scheme and step, failures included.
+    /// Error against CPU time of every method, step and mesh, failures included.
     WorkPrecision(WorkPrecisionArgs),
+    /// Where every method converges, goes wrong, is lost: step, stiffness, mesh.
+    Stability(StabilityArgs),
 }
 
 #[derive(Args)]
 struct WorkPrecisionArgs {
-    /// Scenes that have a reference; all of them if none is named.
+    /// Scenes that observe something; strip-release, four-edges, drapemeter, fling and drape-table if none is
+    /// named.
     scenes: Vec<String>,
     /// Directory of the charts and their CSV; what is in the CSV already is not run again.
     #[arg(short, long, value_name = "DIR")]
@@ -46,6 +53,7 @@ impl ChartArgs {
     pub fn run(&self) -> Result<(), CliError> {
         match &self.what {
             What::WorkPrecision(args) => args.run(),
+            What::Stability(args) => args.run(),
         }
     }
 }
@@ -53,7 +61,7 @@ impl ChartArgs {
 impl WorkPrecisionArgs {
     fn run(&self) -> Result<(), CliError> {
         let named = match self.scenes.is_empty() {
-            true => vec!["strip-release".to_string(), "four-edges".to_string()],
+            true => CHARTED.map(str::to_string).to_vec(),
             false => self.scenes.clone(),
         };
         let mut problems = vec![];
@@ -68,7 +76,7 @@ impl WorkPrecisionArgs {
         let rows = rows.get_or_insert_default();
         for problem in &problems {
             let reference = self.reference(problem)?;
-            fill(problem, &reference, rows, &csv)?;
+            self.fill(problem, &reference, rows, &csv)?;
             self.draw(problem, &reference, rows)?;
         }
         output::announce(&csv)
@@ -76,22 +84,40 @@ impl WorkPrecisionArgs {
 
     /// The reference of a problem: embedded, kept from an earlier time, or run now.
     fn reference(&self, problem: &Problem) -> Result<Reference, CliError> {
-        if let Some(reference) = &problem.reference {
-            return Ok(reference.clone());
+        match &problem.reference {
+            Some(reference) => Ok(reference.clone()),
+            None => {
+                let path = format!("{}-reference.csv", problem.scene.name);
+                kept(&self.output.join(path), |watch| {
+                    problem.make_reference(watch)
+                })
+            }
         }
-        let path = self
-            .output
-            .join(format!("{}-reference.csv", problem.scene.name));
-        let kept = read(&path, |t| Reference::from_csv(t).map_err(|e| e.to_string()))?;
-        if let Some(reference) = kept {
-            return Ok(reference);
+    }
+
+    /// Runs every key that has no row yet, each mesh against its own truth, too.
+    fn fill(
+        &self,
+        problem: &Problem,
+        reference: &Reference,
+        rows: &mut Vec<Row>,
+        csv: &Path,
+    ) -> Result<(), CliError> {
+        for triangles in &problem.meshes {
+            let mesh = format!("triangles={triangles}");
+            let mine = problem.plan().into_iter().filter(|key| key.mesh == mesh);
+            let missing = missing(mine, rows);
+            if missing.is_empty() {
+                continue;
+            }
+            let path = format!("{}-{triangles}-truth.csv", problem.scene.name);
+            let path = self.output.join(path);
+            let own = kept(&path, |watch| problem.truth_on(*triangles, watch))?;
+            fill(&missing, rows, csv, &mut |key, cpu, watch| {
+                problem.run(key, (reference, Some(&own)), cpu, watch)
+            })?;
         }
-        let bar = bar(&format!("{} reference", problem.scene.name));
-        let made = problem.make_reference(&mut |part| bar.set_position(thousandths(part)));
-        bar.finish_and_clear();
-        let reference = made.map_err(failed)?;
-        fs::write(&path, reference.to_csv()).map_err(NodeError::file("write", &path))?;
-        Ok(reference)
+        Ok(())
     }
 
     fn draw(&self, problem: &Problem, of: &Reference, rows: &[Row]) -> Result<(), CliError> {
@@ -105,26 +131,46 @@ impl WorkPrecisionArgs {
     }
 }
 
-/// Runs every key that has no row yet; the CSV is written after each, so that a stop loses one run at most.
-fn fill(
-    problem: &Problem,
-    reference: &Reference,
+/// A reference kept in a file, or made now and kept there.
+pub(super) fn kept(
+    path: &Path,
+    make: impl FnOnce(&mut Watch) -> Result<Reference, ChartError>,
+) -> Result<Reference, CliError> {
+    let found = read(path, |t| Reference::from_csv(t).map_err(|e| e.to_string()))?;
+    if let Some(reference) = found {
+        return Ok(reference);
+    }
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let bar = share_bar(&name);
+    let made = make(&mut |part| bar.set_position(thousandths(part)));
+    bar.finish_and_clear();
+    let reference = made.map_err(failed)?;
+    fs::write(path, reference.to_csv()).map_err(NodeError::file("write", path))?;
+    Ok(reference)
+}
+
+/// Keys without a row.
+pub(super) fn missing(keys: impl Iterator<Item = Key>, rows: &[Row]) -> Vec<Key> {
+    keys.filter(|key| !rows.iter().any(|r| r.key == *key))
+        .collect()
+}
+
+/// What makes a row of a key, given a CPU clock and whom to tell how far it is.
+pub(super) type MakeRow<'a> = dyn FnMut(&Key, &mut CpuClock, &mut Watch) -> Row + 'a;
+
+/// Runs keys; the CSV is written after each, so that a stop loses one run at most.
+pub(super) fn fill(
+    keys: &[Key],
     rows: &mut Vec<Row>,
     csv: &Path,
+    make: &mut MakeRow,
 ) -> Result<(), CliError> {
     let start = ProcessTime::now();
-    let missing = problem.plan().into_iter();
-    let missing: Vec<_> = missing
-        .filter(|key| !rows.iter().any(|r| r.key == *key))
-        .collect();
-    for (key, number) in missing.iter().zip(1..) {
-        let bar = bar(&format!("{} ({number} of {})", label(key), missing.len()));
-        let row = problem.run(
-            key,
-            reference,
-            &mut || start.elapsed().as_secs_f64(),
-            &mut |part| bar.set_position(thousandths(part)),
-        );
+    for (key, number) in keys.iter().zip(1..) {
+        let bar = share_bar(&format!("{} ({number} of {})", label(key), keys.len()));
+        let row = make(key, &mut || start.elapsed().as_secs_f64(), &mut |part| {
+            bar.set_position(thousandths(part))
+        });
         bar.finish_and_clear();
         rows.push(row);
         let fresh = csv.with_extension("csv.part");
@@ -158,11 +204,21 @@ fn caption(problem: &Problem, reference: &Reference, rows: &[Row]) -> Caption {
         error_over: format!("{over} ({} mm)", (length * 1e5).round() / 1e2),
         uncertainty: reference.uncertainty / length,
         source: reference.source.clone(),
+        peers: Peer::on(&scene.name)
+            .iter()
+            .map(|peer| {
+                let label = format!("{} {} ms, {}", peer.name, 1e3 * peer.dt, peer.triangles);
+                (label, peer.cpu_rate, peer.distance(reference) / length)
+            })
+            .collect(),
     }
 }
 
 /// What a file holds, or nothing if it is not there.
-fn read<T>(path: &Path, parse: impl Fn(&str) -> Result<T, String>) -> Result<Option<T>, CliError> {
+pub(super) fn read<T>(
+    path: &Path,
+    parse: impl Fn(&str) -> Result<T, String>,
+) -> Result<Option<T>, CliError> {
     let text = match fs::read_to_string(path) {
         Ok(text) => text,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
@@ -172,24 +228,14 @@ fn read<T>(path: &Path, parse: impl Fn(&str) -> Result<T, String>) -> Result<Opt
     parse(&text).map(Some).map_err(refuse)
 }
 
-/// A bar on standard error, in thousandths; nothing when that is not a terminal.
-fn bar(message: &str) -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
-    if let Ok(style) = ProgressStyle::with_template("[{bar:32}] {msg}") {
-        bar.set_style(style.progress_chars("=> "));
-    }
-    bar.set_message(message.to_string());
-    bar
-}
-
 fn thousandths(part: f64) -> u64 {
     (1000.0 * part) as u64
 }
 
-fn failed(error: ChartError) -> CliError {
+pub(super) fn failed(error: ChartError) -> CliError {
     CliError::Input(error.to_string())
 }
 
-fn refused(error: crate::chart::DrawError) -> CliError {
+pub(super) fn refused(error: crate::chart::DrawError) -> CliError {
     CliError::Input(error.to_string())
 }

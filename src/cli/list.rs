@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use super::{CliError, output};
 use crate::fabric::{catalogue, units};
-use crate::scene::{Scheme, library, parse};
+use crate::scene::{Scheme, Solver, library, parse};
 use crate::wire::channels;
 use crate::wire::inbound::{self, Inlet, InletKind};
 
@@ -25,7 +25,7 @@ enum What {
     Scenes,
     /// The twelve fabrics of the catalogue.
     Fabrics,
-    /// Time schemes.
+    /// Time schemes, and solvers that take the place of Newton.
     Methods,
     /// Topics and message types of a recording.
     Messages,
@@ -106,7 +106,18 @@ fn methods() -> Vec<Entry> {
             json!({"name": name, "description": description}),
         )
     };
-    Scheme::ALL.map(entry).into()
+    let solver = |solver: Solver| {
+        let (name, description) = (solver.name(), solver.description());
+        (
+            vec![name.to_string(), description.to_string()],
+            json!({"name": name, "description": description}),
+        )
+    };
+    Scheme::ALL
+        .map(entry)
+        .into_iter()
+        .chain([Solver::QuasiNewton, Solver::Xpbd].map(solver))
+        .collect()
 }
 
 fn messages() -> Vec<Entry> {

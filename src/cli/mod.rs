@@ -3,18 +3,24 @@
 //! One file a verb, each with clap arguments and a `run`. Exit codes: 0 done, 1 the run failed or differed,
 //! 2 bad usage or input. Results go to standard output, everything else to standard error; an error is one line.
 
+mod ablate;
 mod audit;
 #[cfg(feature = "ros2")]
 mod bridge;
 mod chart;
+mod chart_stability;
 mod commands;
 mod drapes;
 mod error;
+mod explain;
+mod explained;
 mod identify;
 mod info;
+mod kept;
 mod list;
 mod measure;
 mod output;
+mod plan;
 mod progress;
 mod recover;
 mod replay;
@@ -80,10 +86,14 @@ enum Verb {
     /// Print what a running simulation publishes.
     #[cfg(feature = "iceoryx2")]
     Watch(watch::WatchArgs),
-    /// Carry a run's channels and commands between shared memory and ROS 2; `run --ros2` starts one.
+    /// Carry a run between shared memory and ROS 2; `run --ros2` starts one.
     #[cfg(feature = "ros2")]
     Bridge(bridge::BridgeArgs),
-    /// Run and draw a chart: error against CPU time.
+    /// Say what physics a scene pays for, what it costs, and what it leaves out, measured.
+    Explain(explain::ExplainArgs),
+    /// Find the cheapest method, step and mesh within a tolerance.
+    Plan(plan::PlanArgs),
+    /// Run and draw a chart: error against CPU time, stability.
     Chart(chart::ChartArgs),
 }
 
@@ -110,6 +120,8 @@ pub fn main() -> ExitCode {
         Verb::Watch(args) => args.run(),
         #[cfg(feature = "ros2")]
         Verb::Bridge(args) => args.run(),
+        Verb::Explain(args) => args.run(),
+        Verb::Plan(args) => args.run(),
         Verb::Chart(args) => args.run(),
     };
     match done {

@@ -40,6 +40,16 @@ impl Drop for Bar {
     }
 }
 
+/// A bar in thousandths of something, on standard error; nothing when that is not a terminal.
+pub(super) fn share_bar(message: &str) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(PARTS), ProgressDrawTarget::stderr());
+    if let Ok(style) = ProgressStyle::with_template("[{bar:32}] {msg}") {
+        bar.set_style(style.progress_chars("=> "));
+    }
+    bar.set_message(message.to_string());
+    bar
+}
+
 fn line(progress: &Progress) -> String {
     let speed = progress.time / progress.wall_seconds.max(1e-9);
     let left = (progress.duration - progress.time).max(0.0) / speed.max(1e-9);

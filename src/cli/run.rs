@@ -6,12 +6,14 @@ use std::sync::Arc;
 
 use clap::Args;
 
+use super::kept::{self, Kept};
 use super::progress::Bar;
 #[cfg(feature = "ros2")]
 use super::ros2::{self, Ros2Args};
 #[cfg(feature = "iceoryx2")]
 use super::shared;
-use super::{CliError, commands, output, signals, source, summary};
+use super::{CliError, commands, output, plan, signals, source, summary};
+use crate::chart::plan::{Plan, Tolerance};
 #[cfg(feature = "ros2")]
 use crate::node::ros2::Supervisor;
 #[cfg(feature = "iceoryx2")]
@@ -19,7 +21,7 @@ use crate::node::shared_memory::{Counts, RunName, SharedMemory};
 use crate::node::{self, NodeError, Order, Pace, RunOptions};
 #[cfg(feature = "iceoryx2")]
 use crate::node::{Carrier, Inbox};
-use crate::scene::{Override, Scene, Warning};
+use crate::scene::{Method, Override, Scene, Warning};
 
 /// Arguments of `toile run`.
 ///
@@ -37,9 +39,13 @@ pub(super) struct RunArgs {
     /// Replace any key of the scene, such as damping=0 or obstacle.table.friction=0.5.
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
-    /// Time scheme: backward-euler, bdf2, generalised-alpha, central-difference, equilibrium (sets method.scheme).
+    /// Method: a scheme (backward-euler, bdf2, generalised-alpha, central-difference, equilibrium), a solver
+    /// (quasi-newton, xpbd) with its usual scheme, or SCHEME+SOLVER (sets method.scheme and method.solver).
     #[arg(long, value_name = "M")]
     method: Option<String>,
+    /// Plan method, step and mesh for this error of what the scene observes (1%), run, and check afterwards.
+    #[arg(long, value_name = "T", conflicts_with_all = ["method", "dt"])]
+    tolerance: Option<Tolerance>,
     /// Step in seconds (sets method.dt).
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     dt: Option<String>,
@@ -88,6 +94,8 @@ struct Job {
     warnings: Vec<Warning>,
     output: PathBuf,
     threads: usize,
+    /// How the scene came to its method, step and mesh.
+    planned: Option<Plan>,
     /// Commands, each with the step after which it is due.
     commands: Vec<(u64, Order)>,
 }
@@ -129,15 +137,20 @@ impl RunArgs {
             },
             other => other.into(),
         })?;
+        let kept = match (&job.planned, self.tolerance) {
+            (Some(plan), Some(tolerance)) => Some(Kept::check(plan, tolerance)?),
+            _ => None,
+        };
         if self.json {
             let json = summary::json(&job.scene, &job.warnings, &summary);
+            let json = kept::with_check(json, kept.as_ref());
             #[cfg(feature = "iceoryx2")]
             let json = shared::with_counts(json, shared.as_deref());
             #[cfg(feature = "ros2")]
             let json = ros2::with_bridge(json, bridge.as_ref());
             return output::print_json(&json);
         }
-        let text = summary::text(&job.scene, &summary);
+        let text = summary::text(&job.scene, &summary) + &kept::text(kept.as_ref());
         #[cfg(feature = "iceoryx2")]
         shared::warn(shared.as_deref());
         #[cfg(feature = "ros2")]
@@ -172,7 +185,14 @@ impl RunArgs {
 
     /// Scene, overrides and options into a job that can be run.
     fn check(&self) -> Result<Job, CliError> {
-        let (scene, warnings) = source::scene(&self.scene, &self.overrides()?)?;
+        let (mut scene, warnings) = source::scene(&self.scene, &self.overrides()?)?;
+        let planned = match self.tolerance {
+            Some(tolerance) => Some(plan::find(&scene, tolerance)?),
+            None => None,
+        };
+        if let Some(plan) = &planned {
+            scene = plan.scene.clone();
+        }
         let output = match &self.output {
             Some(path) => path.clone(),
             None => PathBuf::from(format!("{}.mcap", scene.name)),
@@ -182,6 +202,7 @@ impl RunArgs {
             warnings,
             output,
             threads: usize::from(self.threads),
+            planned,
             commands: match &self.commands {
                 Some(path) => commands::read(path)?,
                 None => vec![],
@@ -195,7 +216,6 @@ impl RunArgs {
         let mut overrides = set.collect::<Result<Vec<_>, _>>()?;
         for (option, key, value) in [
             ("--fabric", "fabric.name", &self.fabric),
-            ("--method", "method.scheme", &self.method),
             ("--dt", "method.dt", &self.dt),
             ("--duration", "duration", &self.duration),
             ("--seed", "perturbation.seed", &self.seed),
@@ -204,6 +224,21 @@ impl RunArgs {
                 overrides.push(Override::new(key, value, &format!("{option} {value}")));
             }
         }
+        if let Some(name) = &self.method {
+            overrides.extend(method(name));
+        }
         Ok(overrides)
+    }
+}
+
+/// What a method's name stands for; the key of the scheme refuses what stands for none.
+fn method(name: &str) -> Vec<Override> {
+    let option = format!("--method {name}");
+    match Method::named(name) {
+        Some(Method { scheme, solver }) => vec![
+            Override::new("method.scheme", scheme.name(), &option),
+            Override::new("method.solver", solver.name(), &option),
+        ],
+        None => vec![Override::new("method.scheme", name, &option)],
     }
 }

@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use super::output;
 use crate::node::{Orders, Pace, Peak, Summary};
 use crate::scene::{Scene, Scheme, Warning, needs};
-use crate::sim::Energies;
+use crate::sim::{Energies, Work};
 
 /// The closing summary on a terminal.
 pub(super) fn text(scene: &Scene, run: &Summary) -> String {
@@ -14,13 +14,7 @@ pub(super) fn text(scene: &Scene, run: &Summary) -> String {
     let mut rows = vec![
         ("physics", physics(scene)),
         ("simulated", simulated(scene, run)),
-        (
-            "work",
-            format!(
-                "{} substeps, {} iterations, {} factorisations, {} attempts repeated smaller",
-                work.substeps, work.iterations, work.factorisations, work.rejected
-            ),
-        ),
+        ("work", counted(work)),
         ("energies [mJ]", stored(&run.energies)),
         ("exchanged [mJ]", exchanged(&run.energies)),
         (
@@ -35,6 +29,14 @@ pub(super) fn text(scene: &Scene, run: &Summary) -> String {
             format!("{:.4}", 1e3 * depth)
         });
         rows.push(("deepest penetration", depth));
+    }
+    if run.crossings > 0 {
+        let counts = format!("{} edges passed through faces at most", run.crossings);
+        rows.push(("sheet crosses itself", counts));
+    }
+    for (term, time) in &run.neglected {
+        let since = format!("{term}, needed from {} s on", output::significant(*time, 3));
+        rows.push(("NEGLECTED", since));
     }
     for (name, value) in &run.readings {
         rows.push((name, format!("{:.3} mm", 1e3 * value)));
@@ -63,6 +65,34 @@ pub(super) fn text(scene: &Scene, run: &Summary) -> String {
         scene.name, scene.method.dt
     );
     head + &output::table(&rows) + &next
+}
+
+/// Work counted; of factorisations, how many had a cause other than an iterate's tangent.
+fn counted(work: &Work) -> String {
+    let causes = [
+        (work.indefinite, "not positive definite"),
+        (work.constant, "constant"),
+        (work.tests, "tests of rest"),
+    ];
+    let causes: Vec<_> = causes
+        .iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, cause)| format!("{count} {cause}"))
+        .collect();
+    let causes = match causes.is_empty() {
+        true => String::new(),
+        false => format!(" ({})", causes.join(", ")),
+    };
+    format!(
+        "{} substeps, {} iterations, {} evaluations, {} factorisations{causes}, {} halvings, {} attempts repeated \
+         smaller",
+        work.substeps,
+        work.iterations,
+        work.evaluations,
+        work.factorisations,
+        work.halvings,
+        work.rejected
+    )
 }
 
 /// What came in, came late, what was dropped; nothing of what there was not.
@@ -178,6 +208,8 @@ pub(super) fn json(scene: &Scene, warnings: &[Warning], run: &Summary) -> Value 
         "readings": readings,
         "largest_strain": run.largest_strain,
         "deepest_penetration": run.deepest_penetration,
+        "crossings": run.crossings,
+        "neglected": run.neglected.iter().map(|(term, time)| json!({ "term": term, "from": time })).collect::<Vec<_>>(),
         // Programs read JSON numbers as doubles, which do not hold 64 bits.
         "digest": format!("{:016x}", run.digest),
         "pace": run.pace.to_string(),

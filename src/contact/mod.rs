@@ -1,12 +1,15 @@
-//! Obstacles and their distance to points, edges and faces of the sheet.
+//! Obstacles and their distance to points, edges and faces of the sheet; and the sheet near itself, in [`layers`].
 
 mod detect;
 mod distance;
+pub mod layers;
 mod minimum;
+mod motion;
 mod obstacle;
 #[cfg(test)]
 mod test;
 
 pub use detect::{Features, Nearby, Proximity, detect, obstacle_of, with_obstacle};
 pub use distance::Distance;
-pub use obstacle::{Obstacle, Pose, Shape, Velocity};
+pub use motion::{Law, Motion};
+pub use obstacle::{Obstacle, Overlap, Pose, Shape, Velocity};

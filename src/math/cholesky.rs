@@ -17,7 +17,7 @@ use super::sparse::Pattern;
 #[error("the matrix is not positive definite")]
 pub struct NotPositiveDefinite;
 
-/// Cholesky factor of matrices of one pattern. The pattern must already be in elimination order.
+/// Cholesky factor of matrices of one pattern. Its pattern is in elimination order, or [`Cholesky::reordered`].
 pub struct Cholesky {
     pattern: Pattern,
     symbolic: SymbolicCholesky<u32>,
@@ -32,10 +32,28 @@ impl Cholesky {
     /// If memory runs out.
     pub fn new(pattern: Pattern) -> Self {
         // Without a permutation faer reads the upper triangle here, and the lower one in the numeric part.
+        let upper = pattern.upper();
+        Self::analysed(pattern, (&upper, Side::Upper), SymmetricOrdering::Identity)
+    }
+
+    /// Analyses a pattern in any order: it is eliminated by approximate minimum degree.
+    ///
+    /// # Panics
+    /// If memory runs out.
+    pub fn reordered(pattern: Pattern) -> Self {
+        let lower = pattern.clone();
+        Self::analysed(pattern, (&lower, Side::Lower), SymmetricOrdering::Amd)
+    }
+
+    fn analysed(
+        pattern: Pattern,
+        (triangle, side): (&Pattern, Side),
+        ordering: SymmetricOrdering<'_, u32>,
+    ) -> Self {
         let symbolic = factorize_symbolic_cholesky(
-            view(&pattern.upper()),
-            Side::Upper,
-            SymmetricOrdering::Identity,
+            view(triangle),
+            side,
+            ordering,
             CholeskySymbolicParams {
                 supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
                 ..Default::default()

@@ -3,6 +3,7 @@
 pub mod cholesky;
 pub mod newton;
 pub mod ordering;
+pub mod quasi_newton;
 pub mod sparse;
 #[cfg(test)]
 mod test;

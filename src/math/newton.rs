@@ -1,6 +1,7 @@
 //! Newton's method with a sparse Cholesky step and a line search on the directional derivative.
 
 use super::cholesky::Cholesky;
+use super::sparse::Pattern;
 
 /// A system of equations r(z) = 0 whose Jacobian is symmetric.
 pub trait Problem {
@@ -11,6 +12,14 @@ pub trait Problem {
     /// Writes the lower triangle of the Jacobian at the z of the last call to `residual`; with `projected`,
     /// of a positive semidefinite stand-in.
     fn tangent(&mut self, projection: f64, values: &mut [f64]);
+    /// The pattern of the Jacobian, if it has grown since it was last asked for.
+    fn grown(&mut self) -> Option<Pattern> {
+        None
+    }
+    /// How much of a step from `z` may be tried, 0 to 1.
+    fn longest(&mut self, _z: &[f64], _step: &[f64]) -> f64 {
+        1.0
+    }
 }
 
 /// When to stop.
@@ -33,8 +42,16 @@ pub struct Outcome {
     pub norm: f64,
     /// Iterations.
     pub iterations: u64,
+    /// Evaluations of the residual.
+    pub evaluations: u64,
     /// Factorisations.
     pub factorisations: u64,
+    /// Of these, those that failed: the matrix was not positive definite.
+    pub indefinite: u64,
+    /// Of these, those of a matrix that stays the same through a solve.
+    pub constant: u64,
+    /// Linear solves.
+    pub solves: u64,
     /// Line search steps beyond the first.
     pub halvings: u64,
     /// Whether the last step of the iteration was taken.
@@ -44,10 +61,10 @@ pub struct Outcome {
 /// Work vectors, kept between calls.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
-    r: Vec<f64>,
-    trial_r: Vec<f64>,
+    pub(super) r: Vec<f64>,
+    pub(super) trial_r: Vec<f64>,
     trial: Vec<f64>,
-    step: Vec<f64>,
+    pub(super) step: Vec<f64>,
     values: Vec<f64>,
     projection: f64,
 }
@@ -57,10 +74,23 @@ impl Scratch {
     pub fn forget(&mut self) {
         self.projection = 0.0;
     }
+
+    pub(super) fn resize(&mut self, size: usize) {
+        for vector in [
+            &mut self.r,
+            &mut self.trial_r,
+            &mut self.trial,
+            &mut self.step,
+        ] {
+            vector.resize(size, 0.0);
+        }
+    }
 }
 
 /// Least share of projection that is tried.
 const LEAST_PROJECTION: f64 = 1.0 / 64.0;
+/// Least part of a step that is worth trying.
+const SHORTEST: f64 = 1e-4;
 /// Most halvings of one step.
 const HALVINGS: usize = 12;
 /// The usual [`Limits::overshoot`]: a step must not end much further up than it began downhill.
@@ -74,14 +104,11 @@ pub fn newton(
     limits: &Limits,
     scratch: &mut Scratch,
 ) -> Outcome {
-    let size = z.len();
     let mut outcome = Outcome::default();
-    scratch.r.resize(size, 0.0);
-    scratch.trial_r.resize(size, 0.0);
-    scratch.trial.resize(size, 0.0);
-    scratch.step.resize(size, 0.0);
+    scratch.resize(z.len());
     scratch.values.resize(cholesky.pattern().entries(), 0.0);
     outcome.norm = problem.residual(z, &mut scratch.r);
+    outcome.evaluations += 1;
     loop {
         outcome.converged = outcome.norm <= limits.tolerance;
         if outcome.converged || outcome.iterations as usize >= limits.iterations {
@@ -96,6 +123,7 @@ pub fn newton(
             *step = -r;
         }
         cholesky.solve(&mut scratch.step, 1);
+        outcome.solves += 1;
         outcome.moved = line_search(problem, z, limits.overshoot, scratch, &mut outcome);
         if !outcome.moved {
             return outcome;
@@ -111,6 +139,10 @@ fn factorise(
     scratch: &mut Scratch,
     outcome: &mut Outcome,
 ) -> bool {
+    if let Some(pattern) = problem.grown() {
+        *cholesky = Cholesky::reordered(pattern);
+        scratch.values.resize(cholesky.pattern().entries(), 0.0);
+    }
     loop {
         problem.tangent(scratch.projection, &mut scratch.values);
         outcome.factorisations += 1;
@@ -122,6 +154,7 @@ fn factorise(
             };
             return true;
         }
+        outcome.indefinite += 1;
         if scratch.projection >= 1.0 {
             return false;
         }
@@ -130,7 +163,7 @@ fn factorise(
 }
 
 /// Moves z along the step to where the slope r·step has lost its size or changed sign mildly.
-fn line_search(
+pub(super) fn line_search(
     problem: &mut impl Problem,
     z: &mut [f64],
     overshoot: f64,
@@ -141,12 +174,16 @@ fn line_search(
     if !slope.is_finite() || slope >= 0.0 {
         return false;
     }
-    let mut length = 1.0;
+    let mut length = problem.longest(z, &scratch.step);
+    if length < SHORTEST {
+        return false;
+    }
     for _ in 0..=HALVINGS {
         for ((trial, z), step) in scratch.trial.iter_mut().zip(&*z).zip(&scratch.step) {
             *trial = z + length * step;
         }
         let norm = problem.residual(&scratch.trial, &mut scratch.trial_r);
+        outcome.evaluations += 1;
         let trial_slope = dot(&scratch.trial_r, &scratch.step);
         if norm.is_finite() && trial_slope <= overshoot * slope.abs() {
             z.copy_from_slice(&scratch.trial);
@@ -168,6 +205,6 @@ fn line_search(
     false
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }

@@ -4,13 +4,16 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
-use mcap::read::{ChunkReader, parse_record};
+use mcap::read::parse_record;
 use mcap::records::{Record, op};
+use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use super::NodeError;
 
 /// Opcode and length before each record \[bytes\].
 const PREFIX: u64 = 9;
+/// Most bytes of a chunk, unpacked: a thousand times what the recorder makes.
+const LARGEST_CHUNK: usize = 1 << 30;
 
 /// A complete record at the top level of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,13 +87,36 @@ pub(super) fn unpack(
     path: &Path,
     span: Span,
 ) -> Result<Vec<Record<'static>>, NodeError> {
-    let Record::Chunk { header, data } = record(file, path, span)? else {
+    if span.op != op::CHUNK {
         return Ok(vec![]);
-    };
-    let records = ChunkReader::new(header, &data).map_err(|e| at(path, span, e))?;
-    records
-        .map(|r| r.map(Record::into_owned).map_err(|e| at(path, span, e)))
-        .collect()
+    }
+    let mut bytes = vec![0; (span.end - span.start) as usize];
+    read_at(file, span.start, &mut bytes, path)?;
+    let mut rest = &bytes[..];
+    // No length inside is believed before the checksum has been seen: a damaged one would ask for all memory.
+    let mut reader = LinearReader::new_with_options(
+        LinearReaderOptions::default()
+            .with_skip_start_magic(true)
+            .with_skip_end_magic(true)
+            .with_prevalidate_chunk_crcs(true)
+            .with_record_length_limit(LARGEST_CHUNK),
+    );
+    let mut records = vec![];
+    while let Some(event) = reader.next_event() {
+        match event.map_err(|e| at(path, span, e))? {
+            LinearReadEvent::ReadRequest(wanted) => {
+                let (now, later) = rest.split_at(wanted.min(rest.len()));
+                reader.insert(now.len()).copy_from_slice(now);
+                reader.notify_read(now.len());
+                rest = later;
+            }
+            LinearReadEvent::Record { data, opcode } => {
+                let record = parse_record(opcode, data).map_err(|e| at(path, span, e))?;
+                records.push(record.into_owned());
+            }
+        }
+    }
+    Ok(records)
 }
 
 fn read_at(file: &mut File, start: u64, bytes: &mut [u8], path: &Path) -> Result<(), NodeError> {

@@ -57,6 +57,10 @@ pub struct Summary {
     pub largest_strain: Peak,
     /// Deepest penetration into an obstacle \[m\].
     pub deepest_penetration: Peak,
+    /// Most edges of the sheet that passed through its faces after a step.
+    pub crossings: u64,
+    /// Terms that the scene leaves out and should not, each with the time at which that showed \[s\].
+    pub neglected: Vec<(&'static str, f64)>,
     /// Whether every step converged.
     pub converged: bool,
     /// Digest of the last state.
@@ -93,12 +97,13 @@ impl Summary {
     pub(super) fn add(&mut self, report: &StepReport) {
         self.steps = report.step;
         self.time = report.time;
-        self.work.substeps += report.work.substeps;
-        self.work.rejected += report.work.rejected;
-        self.work.iterations += report.work.iterations;
-        self.work.factorisations += report.work.factorisations;
-        self.work.solves += report.work.solves;
-        self.work.halvings += report.work.halvings;
+        self.work += report.work;
+        self.crossings = self.crossings.max(report.crossings);
+        for &term in &report.neglected {
+            if !self.neglected.iter().any(|(name, _)| *name == term) {
+                self.neglected.push((term, report.time));
+            }
+        }
         self.energies = report.energies;
         self.largest_strain.add(report.largest_strain);
         self.deepest_penetration.add(report.deepest_penetration);

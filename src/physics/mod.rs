@@ -6,6 +6,7 @@ pub mod damping;
 pub mod drag;
 pub mod friction;
 pub mod gravity;
+pub mod layers;
 mod stencil;
 pub mod stretch;
 #[cfg(test)]

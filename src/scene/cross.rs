@@ -1,11 +1,16 @@
 //! What no key can say alone: values that must fit each other.
 
+use nalgebra::Vector3;
+
 use super::FabricError;
 use super::check::refuse_key;
 use super::error::{Problem, SceneError};
+use super::method::{Method, Scheme, Solver};
 use super::quantity::short;
+use super::ranges::{SPEED, TURN_RATE};
 use super::spec::{Region, Scene};
 use super::tree::Node;
+use crate::contact::Motion;
 use crate::sheet::Outline;
 
 /// A conflict: the key to blame and why.
@@ -19,8 +24,10 @@ pub(super) fn check(scene: &Scene, document: &Node) -> Result<(), SceneError> {
         fabric,
         held_and_loaded,
         refine,
+        motions,
         air,
         observations,
+        method,
         times,
     ];
     for check in checks {
@@ -163,6 +170,73 @@ fn refine(scene: &Scene) -> Result<(), Conflict> {
     Ok(())
 }
 
+/// A motion has a pose for each time, and no pose is reached faster than an obstacle may be moved.
+fn motions(scene: &Scene) -> Result<(), Conflict> {
+    for (name, obstacle) in &scene.obstacle {
+        if let Some(motion) = &obstacle.motion {
+            let key = format!("obstacle.{name}.motion");
+            let lists = [
+                ("positions", &motion.positions),
+                ("rotations", &motion.rotations),
+            ];
+            series(&key, &motion.times, lists)?;
+            swiftness(
+                &key,
+                &motion.through((obstacle.position, obstacle.rotation)),
+            )?;
+        }
+    }
+    for (name, support) in &scene.support {
+        if let Some(motion) = &support.motion {
+            let key = format!("support.{name}.motion");
+            let lists = [
+                ("displacements", &motion.displacements),
+                ("rotations", &motion.rotations),
+            ];
+            series(&key, &motion.times, lists)?;
+            swiftness(&key, &motion.about(&Vector3::zeros()))?;
+        }
+    }
+    Ok(())
+}
+
+fn series(
+    key: &str,
+    times: &[f64],
+    lists: [(&str, &Option<Vec<[f64; 3]>>); 2],
+) -> Result<(), Conflict> {
+    if !times.is_sorted_by(|a, b| a < b) {
+        return conflict(format!("{key}.times"), "must rise");
+    }
+    if lists.iter().all(|(_, list)| list.is_none()) {
+        let [one, other] = lists.map(|(name, _)| name);
+        return conflict(key, format!("needs {one}, {other} or both"));
+    }
+    for (name, list) in lists {
+        let found = list.as_ref().map_or(times.len(), Vec::len);
+        if found != times.len() {
+            let reason = format!("has {found} entries; must be {}, one a time", times.len());
+            return conflict(format!("{key}.{name}"), reason);
+        }
+    }
+    Ok(())
+}
+
+fn swiftness(key: &str, motion: &Motion) -> Result<(), Conflict> {
+    let (speed, turn) = motion.fastest();
+    for (found, most, unit) in [(speed, SPEED.max, "m/s"), (turn, TURN_RATE.max, "rad/s")] {
+        if found > most {
+            let reason = format!(
+                "goes at up to {} {unit}; at most {} {unit}",
+                short(found),
+                short(most)
+            );
+            return conflict(format!("{key}.times"), reason);
+        }
+    }
+    Ok(())
+}
+
 fn air(scene: &Scene) -> Result<(), Conflict> {
     match scene.air.and_then(|air| air.region) {
         Some(region) if !(0..3).all(|i| region.min[i] < region.max[i]) => {
@@ -183,6 +257,40 @@ fn observations(scene: &Scene) -> Result<(), Conflict> {
         }
     }
     Ok(())
+}
+
+fn method(scene: &Scene) -> Result<(), Conflict> {
+    match scene.method.method() {
+        Method {
+            solver: Solver::QuasiNewton | Solver::Xpbd,
+            ..
+        } if scene.layers.is_some() => conflict(
+            "method.solver",
+            "layers need newton, or method.scheme = central-difference",
+        ),
+        Method {
+            scheme: Scheme::CentralDifference,
+            solver: Solver::QuasiNewton | Solver::Xpbd,
+        } => conflict(
+            "method.solver",
+            "central-difference solves no equations; leave method.solver out",
+        ),
+        Method {
+            scheme,
+            solver: Solver::Xpbd,
+        } if scheme != Scheme::BackwardEuler => conflict(
+            "method.solver",
+            "xpbd goes with method.scheme = backward-euler alone",
+        ),
+        Method {
+            scheme: Scheme::Equilibrium,
+            solver: Solver::QuasiNewton,
+        } => conflict(
+            "method.solver",
+            "equilibrium needs newton, whose tangent says whether a state is a minimum",
+        ),
+        _ => Ok(()),
+    }
 }
 
 fn times(scene: &Scene) -> Result<(), Conflict> {

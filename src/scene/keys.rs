@@ -23,6 +23,10 @@ pub(super) enum Kind {
     Vector(usize, Range),
     /// An array of pairs, at least one.
     Points(Range),
+    /// An array of numbers, at least one.
+    Series(Range),
+    /// An array of arrays of three numbers, at least one.
+    Triples(Range),
     /// One line of text of at most this many characters.
     Text(usize),
     /// A name that can be part of a file name.
@@ -57,7 +61,10 @@ const fn may(name: &'static str, kind: Kind) -> Key {
     }
 }
 
-use Kind::{Axes, Choice, Count, FileName, Named, Number, Points, Table, Tagged, Text, Vector};
+use Kind::{
+    Axes, Choice, Count, FileName, Named, Number, Points, Series, Table, Tagged, Text, Triples,
+    Vector,
+};
 
 /// Angles of poses.
 const ANGLE: Range = range(-360.0, 360.0, "degrees");
@@ -77,7 +84,9 @@ pub(super) const SCENE: &[Key] = &[
     may("support", Named(SUPPORT)),
     may("load", Named(LOAD)),
     may("obstacle", Named(OBSTACLE)),
+    may("overlap", Table(OVERLAP)),
     may("air", Table(AIR)),
+    may("layers", Table(LAYERS)),
     may("perturbation", Table(PERTURBATION)),
     may("method", Table(METHOD)),
     may("output", Table(OUTPUT)),
@@ -141,12 +150,22 @@ const SUPPORT: &[Key] = &[
     need("region", Tagged(REGION)),
     may("axes", Axes),
     may("displacement", Vector(3, PLACE)),
+    may("motion", Table(SUPPORT_MOTION)),
 ];
 
 const LOAD: &[Key] = &[
     need("region", Tagged(REGION)),
     need("force", Vector(3, range(-1e6, 1e6, "N"))),
 ];
+
+const SUPPORT_MOTION: &[Key] = &[
+    may("law", Choice(LAWS)),
+    need("times", Series(TIME)),
+    may("displacements", Triples(PLACE)),
+    may("rotations", Triples(ANGLE)),
+];
+
+const LAWS: &[&str] = &["linear", "smooth"];
 
 const REGION: &[(&str, &[Key])] = &[
     ("x-min", &[]),
@@ -173,6 +192,20 @@ const OBSTACLE: &[Key] = &[
     may("linear_velocity", Vector(3, SPEED)),
     may("angular_velocity", Vector(3, TURN_RATE)),
     may("friction", Number(FRICTION)),
+    may("motion", Table(OBSTACLE_MOTION)),
+];
+
+const OBSTACLE_MOTION: &[Key] = &[
+    may("law", Choice(LAWS)),
+    need("times", Series(TIME)),
+    may("positions", Triples(PLACE)),
+    may("rotations", Triples(ANGLE)),
+];
+
+const OVERLAP: &[Key] = &[
+    may("rule", Choice(&["push-out", "refuse"])),
+    may("time", Number(range(1e-3, 10.0, "s"))),
+    may("speed", Number(range(1e-3, 10.0, "m/s"))),
 ];
 
 const SHAPE: &[(&str, &[Key])] = &[
@@ -201,6 +234,11 @@ const AIR: &[Key] = &[
 
 const AIR_REGION: &[Key] = &[need("min", Vector(3, PLACE)), need("max", Vector(3, PLACE))];
 
+const LAYERS: &[Key] = &[
+    may("friction", Number(FRICTION)),
+    may("thickness", Number(range(1e-6, 0.1, "m"))),
+];
+
 const PERTURBATION: &[Key] = &[
     may("amplitude", Number(range(0.0, 0.1, "m"))),
     may("seed", SEED),
@@ -208,10 +246,12 @@ const PERTURBATION: &[Key] = &[
 
 const METHOD: &[Key] = &[
     may("scheme", Choice(SCHEMES)),
+    may("solver", Choice(&["newton", "quasi-newton", "xpbd"])),
     may("dt", Number(range(1e-7, 1.0, "s"))),
     may("tolerance", Number(range(1e-14, 0.1, "of the weight"))),
     may("max_iterations", Count(1, 10_000)),
     may("substep", Number(range(1e-9, 1.0, "s"))),
+    may("limit", Choice(&["keep", "ignore"])),
     may("rho_infinity", Number(range(0.0, 1.0, ""))),
 ];
 
@@ -243,6 +283,10 @@ impl Kind {
             Count(min, max) => format!("a whole number from {min} to {max}"),
             Vector(count, range) => format!("an array of {count} numbers {range}"),
             Points(range) => format!("an array of [x, y] pairs {range}, at least one"),
+            Series(range) => format!("an array of numbers {range}, at least one"),
+            Triples(range) => {
+                format!("an array of [x, y, z] triples {range}, at least one")
+            }
             Text(longest) => format!("one line of text, 1 to {longest} characters"),
             FileName => "1 to 64 letters, digits, `-` or `_`, a letter or digit first".to_string(),
             Axes => "some of the letters x, y, z, each at most once".to_string(),

@@ -1,7 +1,7 @@
 //! The built-in scenes, embedded so that the binary runs with nothing beside it.
 
 /// Name and text of each, in the order of `toile list scenes`.
-const SCENES: [(&str, &str); 12] = [
+const SCENES: [(&str, &str); 14] = [
     ("drape-table", include_str!("library/drape-table.toml")),
     (
         "drape-table-air",
@@ -22,7 +22,9 @@ const SCENES: [(&str, &str); 12] = [
         "drapemeter-resting",
         include_str!("library/drapemeter-resting.toml"),
     ),
+    ("towel-fold", include_str!("library/towel-fold.toml")),
     ("strip-release", include_str!("library/strip-release.toml")),
+    ("fling", include_str!("library/fling.toml")),
 ];
 
 /// Names of the built-in scenes.

@@ -63,32 +63,164 @@ impl Scheme {
     }
 }
 
+/// What solves the equations of an implicit step (DESIGN section 3).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Solver {
+    /// Newton's method with a sparse Cholesky factorisation.
+    #[default]
+    Newton,
+    /// L-BFGS from a constant matrix, the same for x, y and z, factorised once a step.
+    QuasiNewton,
+    /// Position-based sweeps over the faces, in many small steps: what games do, as a baseline.
+    Xpbd,
+}
+
+impl Solver {
+    /// All solvers.
+    pub const ALL: [Solver; 3] = [Solver::Newton, Solver::QuasiNewton, Solver::Xpbd];
+
+    /// The name in scenes and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Solver::Newton => "newton",
+            Solver::QuasiNewton => "quasi-newton",
+            Solver::Xpbd => "xpbd",
+        }
+    }
+
+    /// One line on what it is.
+    pub fn description(self) -> &'static str {
+        match self {
+            Solver::Newton => "solver of the implicit schemes: sparse Cholesky, line search",
+            Solver::QuasiNewton => {
+                "solver: L-BFGS from a constant matrix, the same for x, y and z; bdf2 unless a scheme is named"
+            }
+            Solver::Xpbd => {
+                "solver: position-based sweeps in small steps, as in games; first order, never fully converged"
+            }
+        }
+    }
+}
+
+/// A scheme with its solver: what a chart compares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Method {
+    /// In time.
+    pub scheme: Scheme,
+    /// Of the algebra; without meaning for the explicit scheme.
+    pub solver: Solver,
+}
+
+impl From<Scheme> for Method {
+    fn from(scheme: Scheme) -> Self {
+        let solver = Solver::Newton;
+        Self { scheme, solver }
+    }
+}
+
+impl Method {
+    /// Those that charts compare: every scheme that follows the motion in time, and the other solvers.
+    pub const IN_TIME: [Method; 6] = [
+        Method::of(Scheme::BackwardEuler, Solver::Newton),
+        Method::of(Scheme::Bdf2, Solver::Newton),
+        Method::of(Scheme::GeneralisedAlpha, Solver::Newton),
+        Method::of(Scheme::CentralDifference, Solver::Newton),
+        Method::of(Scheme::Bdf2, Solver::QuasiNewton),
+        Method::of(Scheme::BackwardEuler, Solver::Xpbd),
+    ];
+
+    const fn of(scheme: Scheme, solver: Solver) -> Self {
+        Self { scheme, solver }
+    }
+
+    /// The method that a name stands for: a scheme, a solver with its usual scheme, or `SCHEME+SOLVER`.
+    pub fn named(name: &str) -> Option<Self> {
+        let scheme = |name: &str| Scheme::ALL.into_iter().find(|s| s.name() == name);
+        let solver = |name: &str| Solver::ALL.into_iter().find(|s| s.name() == name);
+        if let Some((first, second)) = name.split_once('+') {
+            return Some(Self::of(scheme(first)?, solver(second)?));
+        }
+        match (scheme(name), solver(name)) {
+            (Some(scheme), _) => Some(scheme.into()),
+            (None, Some(Solver::Xpbd)) => Some(Self::of(Scheme::BackwardEuler, Solver::Xpbd)),
+            (None, Some(solver)) => Some(Self::of(Scheme::Bdf2, solver)),
+            (None, None) => None,
+        }
+    }
+
+    /// The shortest name.
+    pub fn name(self) -> String {
+        match (self.scheme, self.solver) {
+            (scheme, Solver::Newton) => scheme.name().to_string(),
+            (Scheme::BackwardEuler, Solver::Xpbd) | (Scheme::Bdf2, Solver::QuasiNewton) => {
+                self.solver.name().to_string()
+            }
+            (scheme, solver) => format!("{}+{}", scheme.name(), solver.name()),
+        }
+    }
+}
+
+/// What the explicit scheme does with a substep over its stable limit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StableLimit {
+    /// Refuses it.
+    #[default]
+    Keep,
+    /// Takes it, and diverges: for charts and tests of stability.
+    Ignore,
+}
+
 /// How steps are taken and solved.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MethodSpec {
     /// Time scheme.
     pub scheme: Scheme,
+    /// Solver of an implicit step; `xpbd` goes with `backward-euler`.
+    pub solver: Solver,
     /// Step \[s\]; the outer step of `central-difference`, which substeps; the first step of the flow of `equilibrium`.
     pub dt: f64,
     /// A step has converged when its force residual is below this fraction of the sheet's weight \[-\].
     pub tolerance: f64,
-    /// Newton iterations before a step is retried smaller \[-\].
+    /// Newton iterations before a step is retried smaller \[-\]; `quasi-newton` has 25 for each.
     pub max_iterations: usize,
-    /// Substep of `central-difference` \[s\], at most `dt`; left out, it is 0.95 of the stable limit.
+    /// Substep \[s\], at most `dt`. Left out, it is 0.95 of the stable limit for `central-difference`, and a
+    /// twentieth of `dt` for `xpbd`.
     pub substep: Option<f64>,
+    /// Whether `central-difference` keeps to its stable limit.
+    pub limit: StableLimit,
     /// Spectral radius of `generalised-alpha` at infinite frequency, 0 to 1 \[-\].
     pub rho_infinity: f64,
+}
+
+impl MethodSpec {
+    /// Scheme and solver.
+    pub fn method(&self) -> Method {
+        Method::of(self.scheme, self.solver)
+    }
+
+    /// The same with another scheme and solver.
+    pub fn with(self, method: Method) -> Self {
+        Self {
+            scheme: method.scheme,
+            solver: method.solver,
+            ..self
+        }
+    }
 }
 
 impl Default for MethodSpec {
     fn default() -> Self {
         Self {
             scheme: Scheme::Bdf2,
+            solver: Solver::Newton,
             dt: 5e-3,
             tolerance: 1e-3,
             max_iterations: 40,
             substep: None,
+            limit: StableLimit::Keep,
             rho_infinity: 0.3,
         }
     }

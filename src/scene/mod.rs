@@ -3,6 +3,7 @@
 //! [`parse`] turns text and overrides into a checked [`Scene`]; [`library`] holds the built-in ones. Every
 //! refusal is one [`SceneError`] that names key, value, what is allowed, and where it was written.
 
+mod ablation;
 mod check;
 mod cross;
 mod error;
@@ -11,6 +12,7 @@ mod keys;
 pub mod library;
 mod load;
 mod method;
+mod motion;
 mod needs;
 mod overrides;
 mod parse;
@@ -22,10 +24,12 @@ mod spelling;
 mod tree;
 mod warning;
 
+pub use ablation::{Ablation, ablations};
 pub use error::{Origin, Problem, SceneError};
 pub use fabric::FabricError;
 pub use load::LoadSpec;
-pub use method::{MethodSpec, OutputSpec, Scheme};
+pub use method::{Method, MethodSpec, OutputSpec, Scheme, Solver, StableLimit};
+pub use motion::{ObstacleMotion, OverlapRule, OverlapSpec, SupportMotion};
 pub use needs::{Reason, Term, needs};
 pub use overrides::Override;
 pub use parse::parse;

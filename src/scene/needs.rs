@@ -26,6 +26,8 @@ pub enum Term {
     Contact,
     /// Coulomb friction on obstacles.
     Friction,
+    /// Contact and friction of the sheet with itself.
+    Layers,
 }
 
 /// Why a scene needs a term: the scene's own values in a few words.
@@ -33,7 +35,7 @@ pub type Reason = String;
 
 impl Term {
     /// All terms, in the order in which they are assembled.
-    pub const ALL: [Term; 8] = [
+    pub const ALL: [Term; 9] = [
         Term::Stretch,
         Term::Bend,
         Term::Gravity,
@@ -42,6 +44,7 @@ impl Term {
         Term::Support,
         Term::Contact,
         Term::Friction,
+        Term::Layers,
     ];
 
     /// The name of its folder in `physics`.
@@ -55,6 +58,7 @@ impl Term {
             Term::Support => "support",
             Term::Contact => "contact",
             Term::Friction => "friction",
+            Term::Layers => "layers",
         }
     }
 
@@ -86,6 +90,13 @@ impl Term {
             Term::Support => list(scene.support.keys().map(|name| format!("support.{name}"))),
             Term::Contact => list(scene.obstacle.keys().map(|name| format!("obstacle.{name}")))
                 .or_else(|| commanded(scene, Accept::Obstacles, "commands may add obstacles")),
+            Term::Layers => {
+                let layers = scene.layers?;
+                let friction = short(layers.friction);
+                Some(format!(
+                    "the scene has layers: it may touch itself, layers.friction = {friction}"
+                ))
+            }
             Term::Friction => {
                 let rough = scene.obstacle.iter().filter(|(_, o)| o.friction > 0.0);
                 let of = |(name, o): (&String, &ObstacleSpec)| {

@@ -20,6 +20,8 @@ pub struct Assembly {
     /// Slots of the diagonal of each vertex, shape \[vertices\]\[3\].
     diagonal: Vec<[u32; 3]>,
     pattern: Pattern,
+    /// Vertices of layers whose contact the pattern has room for, sorted.
+    couples: Vec<[u32; 4]>,
     gradients: Vec<Gradient<6>>,
     matrices: Vec<[f64; FACE_ENTRIES]>,
     pool: Option<rayon::ThreadPool>,
@@ -33,14 +35,7 @@ pub fn pick<const N: usize>(nodes: &[Vector3<f64>], stencil: &[u32; N]) -> Nodes
 impl Assembly {
     /// Prepares the assembly of a model's tangent; `threads` above 1 share the work over faces.
     pub fn new(model: &Model, threads: usize) -> Self {
-        let pattern = pattern(model);
-        let dofs = &model.dofs;
-        let face_slots = (0..model.mesh.faces.len())
-            .map(|f| face_slots(&pattern, dofs, &model.stretch.nodes(f)))
-            .collect();
-        let diagonal = (0..model.masses.len())
-            .map(|v| dofs.index[v].map(|i| pattern.slot(i, i)))
-            .collect();
+        let pattern = pattern(model, &[]);
         let pool = (threads > 1).then(|| {
             rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
@@ -48,10 +43,11 @@ impl Assembly {
                 .expect("threads can be started")
         });
         Self {
-            face_slots,
+            face_slots: face_slots(model, &pattern),
             bending: bending(model, &pattern),
-            diagonal,
+            diagonal: diagonal(model, &pattern),
             pattern,
+            couples: vec![],
             gradients: vec![[Vector3::zeros(); 6]; model.mesh.faces.len()],
             matrices: vec![[0.0; FACE_ENTRIES]; model.mesh.faces.len()],
             pool,
@@ -61,6 +57,45 @@ impl Assembly {
     /// The pattern of the tangent.
     pub fn pattern(&self) -> &Pattern {
         &self.pattern
+    }
+
+    /// Makes room for layers whose vertices are given, sorted, and for no others; says whether the pattern is another.
+    pub fn couple(&mut self, model: &Model, couples: &[[u32; 4]]) -> bool {
+        if couples == self.couples {
+            return false;
+        }
+        self.couples.clear();
+        self.couples.extend_from_slice(couples);
+        self.pattern = pattern(model, couples);
+        self.face_slots = face_slots(model, &self.pattern);
+        self.bending = bending(model, &self.pattern);
+        self.diagonal = diagonal(model, &self.pattern);
+        true
+    }
+
+    /// Vertices of layers that the pattern has room for, sorted.
+    pub fn couples(&self) -> &[[u32; 4]] {
+        &self.couples
+    }
+
+    /// Adds a matrix on the vertices of two layers for which the pattern has room.
+    pub fn add_pair(
+        &self,
+        dofs: &Dofs,
+        nodes: &[u32; 4],
+        hessian: &Hessian<4>,
+        values: &mut [f64],
+    ) {
+        for row in 0..12 {
+            for column in 0..=row {
+                let value = hessian[row / 3][column / 3][(row % 3, column % 3)];
+                let [i, j] = [row, column].map(|k| dofs.index[nodes[k / 3] as usize][k % 3]);
+                let slot = self.pattern.slot(i, j);
+                if slot != NO_SLOT {
+                    values[slot as usize] += value;
+                }
+            }
+        }
     }
 
     /// Adds the derivative of the internal energy (stretch and bend) by each node to `sum` \[N, N·m\].
@@ -81,7 +116,8 @@ impl Assembly {
         }
     }
 
-    /// Writes the tangent of inertia, damping, stretch and bend.
+    /// Writes the tangent of inertia, damping, stretch and bend: the weights of masses and of damping, a stress for
+    /// each face \[N/m\], the share of its compression that is left out.
     pub fn tangent(
         &mut self,
         model: &Model,
@@ -157,7 +193,21 @@ fn lower(hessian: &Hessian<3>, out: &mut [f64; FACE_ENTRIES]) {
     }
 }
 
-fn face_slots(pattern: &Pattern, dofs: &Dofs, vertices: &[u32; 3]) -> [u32; FACE_ENTRIES] {
+fn face_slots(model: &Model, pattern: &Pattern) -> Vec<[u32; FACE_ENTRIES]> {
+    let stencils = (0..model.mesh.faces.len()).map(|f| model.stretch.nodes(f));
+    stencils
+        .map(|nodes| slots_of(pattern, &model.dofs, &nodes))
+        .collect()
+}
+
+fn diagonal(model: &Model, pattern: &Pattern) -> Vec<[u32; 3]> {
+    let index = model.dofs.index[..model.masses.len()].iter();
+    index
+        .map(|index| index.map(|i| pattern.slot(i, i)))
+        .collect()
+}
+
+fn slots_of(pattern: &Pattern, dofs: &Dofs, vertices: &[u32; 3]) -> [u32; FACE_ENTRIES] {
     let index = |i: usize| dofs.index[vertices[i / 3] as usize][i % 3];
     let mut slots = [NO_SLOT; FACE_ENTRIES];
     let mut k = 0;
@@ -170,8 +220,9 @@ fn face_slots(pattern: &Pattern, dofs: &Dofs, vertices: &[u32; 3]) -> [u32; FACE
     slots
 }
 
-/// Membrane couples all components of a face's vertices; bending couples equal components of its six nodes.
-fn pattern(model: &Model) -> Pattern {
+/// Membrane couples all components of a face's vertices, layers those of theirs; bending couples equal components of a
+/// face's six nodes.
+fn pattern(model: &Model, couples: &[[u32; 4]]) -> Pattern {
     let index = &model.dofs.index;
     let mut groups: Vec<Vec<u32>> = vec![];
     for f in 0..model.mesh.faces.len() {
@@ -180,6 +231,9 @@ fn pattern(model: &Model) -> Pattern {
         for axis in 0..3 {
             groups.push(nodes.iter().map(|&n| index[n as usize][axis]).collect());
         }
+    }
+    for nodes in couples {
+        groups.push(nodes.iter().flat_map(|&n| index[n as usize]).collect());
     }
     Pattern::from_groups(model.dofs.size, groups.iter().map(Vec::as_slice))
 }

@@ -4,24 +4,40 @@ use nalgebra::Vector3;
 
 use super::air::Breeze;
 use super::assembly::{Assembly, pick};
-use super::integrate::{Map, Rule};
+use super::carry::Prescribed;
+use super::constant::Constant;
+use super::integrate::{Map, Rule, extrapolate};
+use super::layers::LayerTouch;
 use super::model::Model;
-use super::state::State;
+use super::near::Near;
+use super::state::{Memory, State};
 use super::touch::{Before, Touch};
 use crate::math::cholesky::Cholesky;
 use crate::math::newton::{Limits, Outcome, Problem, Scratch, newton};
+use crate::math::quasi_newton::quasi_newton;
+use crate::math::sparse::Pattern;
 use crate::physics::drag::Drag;
 use crate::physics::{Load, Potential};
+use crate::scene::Solver;
 
 /// Solver of implicit steps: all that is reused from step to step and is not state.
 pub struct Implicit {
     assembly: Assembly,
-    cholesky: Cholesky,
+    algebra: Algebra,
     scratch: Scratch,
     z: Vec<f64>,
     nodes: Vec<Vector3<f64>>,
     forces: Vec<Vector3<f64>>,
     stresses: Vec<Vector3<f64>>,
+    near: Near,
+    /// Whether the tangent has to make room for the layers of the present step.
+    fresh: bool,
+}
+
+/// What stands for the tangent.
+enum Algebra {
+    Newton(Cholesky),
+    QuasiNewton(Constant),
 }
 
 /// A solved step, not yet taken.
@@ -32,24 +48,36 @@ pub struct Solved {
     pub nodes: Vec<Vector3<f64>>,
     /// Contacts there.
     pub touch: Touch,
+    /// Layers that touch there.
+    pub layers: LayerTouch,
     /// What Newton did.
     pub outcome: Outcome,
     /// Vertex with the largest residual force.
     pub worst: usize,
+    /// Work of moving supports to the end of the step, but for the inertia of what they hold \[J\].
+    pub support_work: f64,
 }
+
+/// Part of the way to where layers nearly meet that a guess goes.
+const HELD_BACK: f64 = 0.9;
 
 impl Implicit {
     /// Analyses the model's tangent once.
     pub fn new(model: &Model, threads: usize) -> Self {
         let assembly = Assembly::new(model, threads);
         Self {
-            cholesky: Cholesky::new(assembly.pattern().clone()),
+            algebra: match model.scene.method.solver {
+                Solver::QuasiNewton => Algebra::QuasiNewton(Constant::new(model)),
+                _ => Algebra::Newton(Cholesky::new(assembly.pattern().clone())),
+            },
             assembly,
             scratch: Scratch::default(),
             z: vec![0.0; model.dofs.size],
             nodes: vec![],
             forces: vec![],
             stresses: vec![],
+            near: Near::default(),
+            fresh: true,
         }
     }
 
@@ -57,6 +85,40 @@ impl Implicit {
     pub fn forget(&mut self) {
         self.scratch.forget();
         self.stresses.clear();
+        self.near.forget();
+        self.fresh = true;
+        if let Algebra::QuasiNewton(constant) = &mut self.algebra {
+            constant.forget();
+        }
+    }
+
+    /// Makes room in the tangent for layers near each other in a state, which begins a step.
+    fn make_room(&mut self, model: &Model, positions: &[Vector3<f64>]) {
+        if model.layers.is_none() || !std::mem::take(&mut self.fresh) {
+            return;
+        }
+        if self.near.fit(model, positions, &mut self.assembly) {
+            self.analyse();
+        }
+    }
+
+    fn analyse(&mut self) {
+        let pattern = self.assembly.pattern().clone();
+        *self.cholesky() = match self.assembly.couples().is_empty() {
+            true => Cholesky::new(pattern),
+            false => Cholesky::reordered(pattern),
+        };
+    }
+
+    /// The Cholesky factor of the tangent.
+    ///
+    /// # Panics
+    /// With another solver than Newton.
+    fn cholesky(&mut self) -> &mut Cholesky {
+        match &mut self.algebra {
+            Algebra::Newton(cholesky) => cholesky,
+            Algebra::QuasiNewton(_) => panic!("only newton has a tangent"),
+        }
     }
 
     /// Factorises the exact second derivative of the energy at a state, plus `shift` times the mass \[1/s²\]; says
@@ -74,18 +136,61 @@ impl Implicit {
             model.stretch.linearised_stress(f, &x, &x)
         };
         let stresses: Vec<_> = (0..model.stretch.count()).map(stress).collect();
+        let layers = LayerTouch::of(model, state);
+        if let Some(law) = &model.layers {
+            let start = (&state.positions[..], &state.layer_bonds[..]);
+            let mut touch = LayerTouch::default();
+            self.near
+                .find(model, law, &state.positions, start, &mut touch);
+            if self.near.widen(model, &touch, &mut self.assembly) {
+                self.analyse();
+            }
+        }
         let mut values = vec![0.0; self.assembly.pattern().entries()];
         self.assembly
             .tangent(model, &nodes, &stresses, (shift, 0.0), 0.0, &mut values);
         if let Some(law) = &model.contact {
             touch.tangent(model, law, &nodes, 0.0, &self.assembly, &mut values);
         }
-        self.cholesky.factorise(&values).is_ok()
+        if let Some(law) = &model.layers {
+            let assembly = &self.assembly;
+            layers.tangent(law, &nodes, 0.0, |stencil, hessian| {
+                assembly.add_pair(&model.dofs, stencil, hessian, &mut values);
+            });
+        }
+        self.cholesky().factorise(&values).is_ok()
     }
 
     /// Solves in place with the last matrix that was factorised.
     pub fn back_substitute(&mut self, rhs: &mut [f64]) {
-        self.cholesky.solve(rhs, 1);
+        self.cholesky().solve(rhs, 1);
+    }
+
+    /// Draws the guess back towards where the step starts until no layers meet on the way; what is held keeps its place.
+    /// False if that alone makes them meet.
+    fn hold_back(&mut self, model: &Model, start: &[Vector3<f64>]) -> bool {
+        if model.layers.is_none() {
+            return true;
+        }
+        let guess = self.nodes[..start.len()].to_vec();
+        let mut share = self.near.safe(model, start, &guess);
+        if share == 1.0 {
+            return true;
+        }
+        share *= HELD_BACK;
+        loop {
+            for (v, (from, to)) in start.iter().zip(&guess).enumerate() {
+                let back = model.dofs.free(v, (to - from) * (1.0 - share));
+                self.nodes[v] = to - back;
+            }
+            if self.near.safe(model, start, &self.nodes[..start.len()]) == 1.0 {
+                return true;
+            }
+            if share == 0.0 {
+                return false;
+            }
+            share = 0.0;
+        }
     }
 
     /// Solves the equations of a part of a step from `state`: it starts `within` the step and takes `dt`.
@@ -107,15 +212,20 @@ impl Implicit {
             obstacles: state.obstacles.clone(),
             ..Touch::default()
         };
-        for obstacle in &mut touch.obstacles {
-            obstacle.advance(map.fraction * dt);
-        }
+        let time = model.script_time(state, moment);
+        model.move_obstacles(&mut touch.obstacles, time, map.fraction * dt);
+        self.make_room(model, &state.positions);
         self.nodes = predict(model, state, rule, map.fraction * dt);
+        if rule != Rule::GradientFlow {
+            model.place_supports(&mut self.nodes, time);
+        }
+        let clear = self.hold_back(model, &state.positions);
         self.forces.resize(self.nodes.len(), Vector3::zeros());
         model.dofs.gather(&self.nodes, &mut self.z);
         let start = state.nodes();
         // A flow goes on with the stress of its last step.
-        if rule != Rule::GradientFlow || self.stresses.is_empty() {
+        let stressed = matches!(self.algebra, Algebra::Newton(_));
+        if stressed && (rule != Rule::GradientFlow || self.stresses.is_empty()) {
             self.stresses.clear();
             self.stresses.extend((0..model.stretch.count()).map(|f| {
                 let x = pick(&start, &model.stretch.nodes(f));
@@ -131,6 +241,10 @@ impl Implicit {
                 obstacles: &state.obstacles,
                 bonds: &state.bonds,
             },
+            layer_bonds: &state.layer_bonds,
+            layers: LayerTouch::default(),
+            near: &mut self.near,
+            trial: vec![],
             map: &map,
             assembly: &mut self.assembly,
             velocities: vec![Vector3::zeros(); model.masses.len()],
@@ -139,24 +253,45 @@ impl Implicit {
             nodes: &mut self.nodes,
             forces: &mut self.forces,
         };
-        let outcome = newton(
-            &mut problem,
-            &mut self.cholesky,
-            &mut self.z,
-            limits,
-            &mut self.scratch,
-        );
-        // The last evaluation may have been a rejected trial.
-        let mut r = vec![0.0; model.dofs.size];
-        problem.residual(&self.z, &mut r);
+        let (z, scratch) = (&mut self.z, &mut self.scratch);
+        let mut outcome = match &mut self.algebra {
+            Algebra::Newton(cholesky) => newton(&mut problem, cholesky, z, limits, scratch),
+            Algebra::QuasiNewton(constant) => {
+                let made = constant.prepare(model, (map.alpha_a, map.alpha_v));
+                let inverse = |z: &mut [f64]| constant.solve(model, z);
+                let outcome = quasi_newton(&mut problem, inverse, z, limits, scratch);
+                Outcome {
+                    factorisations: u64::from(made),
+                    constant: u64::from(made),
+                    ..outcome
+                }
+            }
+        };
+        let after_a_rejected_trial = outcome.iterations > 0 && !outcome.moved;
+        if after_a_rejected_trial {
+            problem.residual(&self.z, &mut vec![0.0; model.dofs.size]);
+            outcome.evaluations += 1;
+        }
         let worst = problem.worst();
-        let touch = problem.touch;
+        let end = model.script_time(state, within + dt);
+        let support_work = problem.work_of_supports(&start, end);
+        let (touch, layers) = (problem.touch, problem.layers);
+        outcome.converged &= clear;
+        if model.layers.is_some() && map.fraction < 1.0 {
+            // The way from where the forces are taken to the end of the step.
+            let end = extrapolate(&start, &self.nodes, map.fraction);
+            let vertices = model.masses.len();
+            let way = (&self.nodes[..vertices], &end[..vertices]);
+            outcome.converged &= self.near.safe(model, way.0, way.1) == 1.0;
+        }
         Solved {
             nodes: self.nodes.clone(),
             map,
             touch,
+            layers,
             outcome,
             worst,
+            support_work,
         }
     }
 }
@@ -177,6 +312,11 @@ fn predict(model: &Model, state: &State, rule: Rule, dt: f64) -> Vec<Vector3<f64
 struct StepProblem<'a> {
     model: &'a Model,
     before: Before<'a>,
+    layer_bonds: &'a [Memory],
+    layers: LayerTouch,
+    near: &'a mut Near,
+    /// Nodes of a step that is considered.
+    trial: Vec<Vector3<f64>>,
     map: &'a Map,
     assembly: &'a mut Assembly,
     touch: Touch,
@@ -219,6 +359,33 @@ impl StepProblem<'_> {
                 self.forces[v as usize] -= push;
             }
         }
+        if let Some(law) = &model.layers {
+            let positions = &self.nodes[..model.masses.len()];
+            let start = (self.before.positions, self.layer_bonds);
+            self.near
+                .find(model, law, positions, start, &mut self.layers);
+            for (v, push) in self.layers.pushes(law, self.nodes) {
+                self.forces[v as usize] -= push;
+            }
+        }
+    }
+
+    /// Work of moving supports from the nodes at the start of the step to its end, at a time since the start of the
+    /// run, but for the inertia of what they hold \[J\].
+    fn work_of_supports(&self, start: &[Vector3<f64>], end: f64) -> f64 {
+        let carried = self.model.carried.iter();
+        let work = |held: Prescribed| -> f64 {
+            let n = held.node;
+            let mut force = self.forces[n];
+            if let Some(mass) = self.model.masses.get(n) {
+                force -= (self.nodes[n] * self.map.alpha_a + self.map.b_a[n]) * *mass;
+            }
+            let along = (0..3).filter(|&axis| held.axes[axis]);
+            along
+                .map(|axis| force[axis] * (held.value[axis] - start[n][axis]))
+                .sum()
+        };
+        carried.flat_map(|carried| carried.at(end)).map(work).sum()
     }
 
     /// Residual force of a node on its free components \[N\].
@@ -264,6 +431,27 @@ impl Problem for StepProblem<'_> {
         self.iterate.copy_from_slice(self.nodes);
     }
 
+    fn grown(&mut self) -> Option<Pattern> {
+        self.model.layers?;
+        let grown = self.near.widen(self.model, &self.layers, self.assembly);
+        grown.then(|| self.assembly.pattern().clone())
+    }
+
+    fn longest(&mut self, z: &[f64], step: &[f64]) -> f64 {
+        if self.model.layers.is_none() {
+            return 1.0;
+        }
+        let vertices = self.model.masses.len();
+        let end: Vec<f64> = z.iter().zip(step).map(|(z, step)| z + step).collect();
+        self.trial.clone_from(self.nodes);
+        self.model.dofs.scatter(&end, &mut self.trial);
+        self.near.safe(
+            self.model,
+            &self.iterate[..vertices],
+            &self.trial[..vertices],
+        )
+    }
+
     fn tangent(&mut self, projection: f64, values: &mut [f64]) {
         let weights = (self.map.alpha_a, self.map.alpha_v);
         self.assembly.tangent(
@@ -284,6 +472,13 @@ impl Problem for StepProblem<'_> {
                 let scaled = matrix.map(|row| row.map(|block| block * -self.map.alpha_v));
                 self.assembly.add_face(s as u32, &scaled, values);
             }
+        }
+        if let Some(law) = &self.model.layers {
+            let (assembly, dofs) = (&*self.assembly, &self.model.dofs);
+            self.layers
+                .tangent(law, self.nodes, projection, |stencil, hessian| {
+                    assembly.add_pair(dofs, stencil, hessian, values);
+                });
         }
         if let Some(law) = &self.model.contact {
             self.touch.tangent(

@@ -1,7 +1,9 @@
 //! Stage 8: what a step reports, read-only.
 
 use super::assembly::pick;
+use super::layers;
 use super::model::Model;
+use super::overlap;
 use super::report::StepReport;
 use super::state::State;
 use super::touch::Touch;
@@ -10,6 +12,7 @@ use crate::physics::Potential;
 /// Fills in everything that can be read off a state and its contacts.
 pub fn measure(model: &Model, state: &State, touch: &Touch, report: &mut StepReport) {
     let nodes = state.nodes();
+    let layers = layers::inspect(model, state, report);
     let energies = &mut report.energies;
     energies.kinetic = kinetic(model, state);
     energies.stretch = total(&model.stretch, &nodes);
@@ -21,9 +24,10 @@ pub fn measure(model: &Model, state: &State, touch: &Touch, report: &mut StepRep
     energies.air = state.ledger.air;
     if let Some(law) = &model.contact {
         energies.contact = touch.energy(model, law, &nodes);
-        report.deepest_penetration = touch.deepest(law);
+        report.deepest_penetration = overlap::deepest(model, law, state, touch);
         report.contacts = touch.proximities.len() as u64;
     }
+    energies.contact += layers;
     report.largest_strain = (0..model.stretch.count())
         .map(|s| {
             model

@@ -1,25 +1,30 @@
 //! All that stays constant in a run.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Rotation3, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use crate::contact::{Features, Obstacle, Velocity};
+use crate::contact::layers::Tiles;
+use crate::contact::{Features, Motion, Obstacle, Velocity};
 use crate::fabric::Fabric;
 use crate::physics::Potential;
 use crate::physics::bend::Bend;
 use crate::physics::contact::ContactLaw;
 use crate::physics::damping::Damping;
 use crate::physics::gravity::Gravity;
+use crate::physics::layers::LayerLaw;
 use crate::physics::stretch::Stretch;
 use crate::physics::support::Support;
-use crate::scene::{Axis, Region, Scene, SupportKind, Term, needs};
+use crate::scene::{Axis, Scene, Scheme, Solver, Term, needs};
 use crate::sheet::{Mesh, MeshOptions, generate_graded};
 
 use super::air::Air;
+use super::carry::Carried;
 use super::command::AirRegion;
 use super::dofs::Dofs;
-use super::loads::loads;
+use super::regions::{loads, nearest_vertex, supports};
 
 /// Mesh, fabric and terms of a run.
 #[derive(Clone, Debug)]
@@ -48,10 +53,20 @@ pub struct Model {
     pub drag: bool,
     /// What holds the sheet.
     pub supports: Vec<Support>,
+    /// What moving supports carry along.
+    pub carried: Vec<Carried>,
+    /// Motions that the scene prescribes for obstacles, by name.
+    pub motions: BTreeMap<String, Motion>,
     /// The contact law, if the scene has obstacles or commands may add some.
     pub contact: Option<ContactLaw>,
+    /// Length of the longest edge of the flat mesh \[m\].
+    pub longest_edge: f64,
     /// Incidence for contact detection.
     pub features: Features,
+    /// The law of layer on layer, if the sheet may touch itself.
+    pub layers: Option<LayerLaw>,
+    /// Where the sheet may come near to itself.
+    pub tiles: Tiles,
     /// Numbering of the unknowns.
     pub dofs: Dofs,
     /// Vertices and axis of each reading, with the mean position at the start.
@@ -93,8 +108,17 @@ impl Model {
         let supports: Vec<Support> = supports(scene, &mesh);
         let needs = needs(scene);
         let needed = |wanted| needs.iter().any(|(term, _)| *term == wanted);
-        let contact =
-            needed(Term::Contact).then(|| ContactLaw::new(weight, stiffness, fabric.thickness));
+        let contact = needed(Term::Contact).then(|| {
+            let law = ContactLaw::new(weight, stiffness, fabric.thickness);
+            match (scene.method.scheme, scene.method.solver) {
+                (Scheme::CentralDifference, _) | (_, Solver::Xpbd) => law,
+                _ => law.stiffening(),
+            }
+        });
+        let spec = scene.layers.unwrap_or_default();
+        let thickness = spec.thickness.unwrap_or(fabric.thickness);
+        let area = mesh.area() / masses.len() as f64;
+        let layers = needed(Term::Layers).then(|| LayerLaw::new(thickness, area, spec.friction));
         let (turn, shift) = placement(scene);
         let start_gravity = (0..masses.len())
             .map(|v| {
@@ -102,15 +126,22 @@ impl Model {
                 gravity.value(v, &[turn * Vector3::new(p.x, p.y, 0.0) + shift])
             })
             .sum();
-        Self {
+        let mut model = Self {
             start_gravity,
+            carried: vec![],
+            motions: motions(scene),
             stretch: Stretch::new(&mesh, membrane),
             bend: Bend::new(&mesh, fabric.bending()),
             gravity,
             damping: Damping::new(scene.damping, &mesh.vertex_areas),
             contact,
+            layers,
+            tiles: Tiles::new(&mesh, thickness),
             drag: needed(Term::Drag),
             features: Features::new(&mesh),
+            longest_edge: (0..mesh.edges.len())
+                .map(|e| mesh.edge_length(e))
+                .fold(0.0, f64::max),
             dofs: Dofs::new(&mesh, &supports),
             readings: readings(scene, &mesh),
             scene: scene.clone(),
@@ -119,7 +150,10 @@ impl Model {
             masses,
             weight,
             supports,
-        }
+        };
+        let (start, vertices) = (model.start(), model.masses.len());
+        model.carried = Carried::all(scene, &model.supports, &start, vertices);
+        model
     }
 
     /// Nodes (vertex positions \[m\], then edge slopes) at the start: flat, placed, perturbed, supports displaced.
@@ -152,6 +186,7 @@ impl Model {
             let n = self.mesh.edge_normal(e);
             turn * (yarns * Vector3::new(n.x, n.y, 0.0))
         }));
+        self.place_supports(&mut nodes, 0.0);
         nodes
     }
 
@@ -160,15 +195,22 @@ impl Model {
         self.scene
             .obstacle
             .iter()
-            .map(|(name, spec)| Obstacle {
-                name: name.clone(),
-                shape: spec.shape.clone(),
-                pose: spec.pose(),
-                velocity: Velocity {
+            .map(|(name, spec)| {
+                let constant = Velocity {
                     linear: spec.linear_velocity.into(),
                     angular: spec.angular_velocity.into(),
-                },
-                friction: spec.friction,
+                };
+                let motion = self.motions.get(name).map(|motion| motion.at(0.0));
+                let (pose, velocity) = motion.unwrap_or((spec.pose(), constant));
+                Obstacle {
+                    name: name.clone(),
+                    shape: spec.shape.clone(),
+                    pose,
+                    velocity,
+                    friction: spec.friction,
+                    scripted: spec.motion.is_some(),
+                    ..Obstacle::default()
+                }
             })
             .collect()
     }
@@ -193,6 +235,13 @@ impl Model {
             ..Air::default()
         }
     }
+}
+
+fn motions(scene: &Scene) -> BTreeMap<String, Motion> {
+    let specs = scene.obstacle.iter();
+    specs
+        .filter_map(|(name, spec)| Some((name.clone(), spec.motion()?)))
+        .collect()
 }
 
 fn rotation(degrees: &[f64; 3]) -> Rotation3<f64> {
@@ -221,69 +270,6 @@ fn mesh(scene: &Scene) -> Mesh {
         warp_angle: sheet.warp_angle.to_radians(),
     };
     generate_graded(&sheet.outline, &options, &|p| size(edge, p))
-}
-
-fn supports(scene: &Scene, mesh: &Mesh) -> Vec<Support> {
-    let support = |spec: &crate::scene::SupportSpec| {
-        let inside = region(&spec.region, mesh);
-        Support::new(
-            mesh,
-            inside,
-            spec.kind == SupportKind::Clamp,
-            ["x", "y", "z"].map(|axis| spec.axes.contains(axis)),
-            spec.displacement.into(),
-        )
-    };
-    scene.support.values().map(support).collect()
-}
-
-/// Test for a region of the sheet, with a margin for rounding.
-pub(super) fn region(region: &Region, mesh: &Mesh) -> impl Fn(&Vector2<f64>) -> bool {
-    let points = &mesh.outline;
-    let low = points
-        .iter()
-        .fold(Vector2::repeat(f64::INFINITY), |m, p| m.inf(p));
-    let high = points
-        .iter()
-        .fold(Vector2::repeat(f64::NEG_INFINITY), |m, p| m.sup(p));
-    let margin = 1e-9 * (high - low).norm();
-    let mut on_boundary: Vec<[u64; 2]> = (0..mesh.edges.len())
-        .filter(|&e| mesh.is_boundary(e))
-        .flat_map(|e| mesh.edges[e].map(|v| bits(&points[v as usize])))
-        .collect();
-    on_boundary.sort_unstable();
-    let nearest = match region {
-        Region::Point { at } => points[nearest_vertex(mesh, at) as usize],
-        _ => Vector2::zeros(),
-    };
-    let region = *region;
-    move |p: &Vector2<f64>| match region {
-        Region::XMin => p.x <= low.x + margin,
-        Region::XMax => p.x >= high.x - margin,
-        Region::YMin => p.y <= low.y + margin,
-        Region::YMax => p.y >= high.y - margin,
-        Region::Boundary => on_boundary.binary_search(&bits(p)).is_ok(),
-        Region::Box { min, max } => {
-            (0..2).all(|i| p[i] >= min[i] - margin && p[i] <= max[i] + margin)
-        }
-        Region::Disc { diameter } => p.norm() <= 0.5 * diameter + margin,
-        Region::Ring { outer, inner } => {
-            (0.5 * inner - margin..=0.5 * outer + margin).contains(&p.norm())
-        }
-        Region::Point { .. } => *p == nearest,
-    }
-}
-
-fn bits(p: &Vector2<f64>) -> [u64; 2] {
-    [p.x.to_bits(), p.y.to_bits()]
-}
-
-fn nearest_vertex(mesh: &Mesh, at: &[f64; 2]) -> u32 {
-    let at = Vector2::from(*at);
-    let distance = |v: &u32| (mesh.outline[*v as usize] - at).norm_squared();
-    (0..mesh.outline.len() as u32)
-        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
-        .expect("a mesh has vertices")
 }
 
 fn readings(scene: &Scene, mesh: &Mesh) -> Vec<Reading> {

@@ -6,8 +6,9 @@ use super::admit;
 use super::command::Rejected;
 use super::model::Model;
 use super::simulation::Simulation;
-use super::state::State;
-use crate::contact::obstacle_of;
+use super::state::{Memory, State};
+use crate::contact::layers::is_pair_of;
+use crate::contact::{Obstacle, obstacle_of};
 
 /// Why a state does not fit the simulation that should go on from it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -56,6 +57,7 @@ impl Simulation {
         finite(&state)?;
         obstacles(&self.model, &state)?;
         air(&self.model, &state)?;
+        layers(&self.model, &state)?;
         self.state = state;
         self.look();
         Ok(())
@@ -105,12 +107,13 @@ fn sizes(model: &Model, state: &State, explicit: bool) -> Result<(), Mismatch> {
 fn finite(state: &State) -> Result<(), Mismatch> {
     let past = &state.history;
     let offsets: Vec<Vector3<f64>> = state.bonds.iter().map(|bond| bond.offset).collect();
+    let layer_offsets: Vec<Vector3<f64>> = state.layer_bonds.iter().map(|m| m.offset).collect();
     let ledger = &state.ledger;
     let sums = [
         Vector3::new(ledger.damping, ledger.friction, ledger.supports),
         Vector3::repeat(ledger.air),
     ];
-    let lists: [(&'static str, &[Vector3<f64>]); 10] = [
+    let lists: [(&'static str, &[Vector3<f64>]); 11] = [
         ("positions", &state.positions),
         ("velocities", &state.velocities),
         ("slopes", &state.slopes),
@@ -120,6 +123,7 @@ fn finite(state: &State) -> Result<(), Mismatch> {
         ("history.accelerations", &past.accelerations),
         ("history.dt", &[Vector3::repeat(past.dt)]),
         ("bonds", &offsets),
+        ("layer_bonds", &layer_offsets),
         ("ledger", &sums),
     ];
     let damaged = |list: &[Vector3<f64>]| !list.iter().flatten().all(|c| c.is_finite());
@@ -140,11 +144,26 @@ fn obstacles(model: &Model, state: &State) -> Result<(), Mismatch> {
     if !obstacles.is_sorted_by(|a, b| a.name < b.name) {
         return Err(Mismatch::Order { field: "obstacles" });
     }
+    let follows = |o: &Obstacle| !o.scripted || model.motions.contains_key(&o.name);
+    if !obstacles.iter().all(follows) || state.began > state.step {
+        return Err(Mismatch::Order { field: "obstacles" });
+    }
     let known = |key: u64| (obstacle_of(key) as usize) < obstacles.len();
     let sorted = state.bonds.is_sorted_by(|a, b| a.key < b.key);
     match sorted && state.bonds.iter().all(|bond| known(bond.key)) {
         true => Ok(()),
         false => Err(Mismatch::Order { field: "bonds" }),
+    }
+}
+
+fn layers(model: &Model, state: &State) -> Result<(), Mismatch> {
+    let bonds = &state.layer_bonds;
+    let known = |bond: &Memory| model.layers.is_some() && is_pair_of(&model.mesh, bond.key);
+    match bonds.is_sorted_by(|a, b| a.key < b.key) && bonds.iter().all(known) {
+        true => Ok(()),
+        false => Err(Mismatch::Order {
+            field: "layer_bonds",
+        }),
     }
 }
 

@@ -1,16 +1,18 @@
 //! A model with its state, and the step (DESIGN section 6).
 
+use super::command::Rejected;
 use super::equilibrium::{Equilibrium, equilibrium_step};
 use super::implicit::Implicit;
 use super::integrate::Rule;
 use super::integrate::explicit::{Explicit, SAFETY};
+use super::integrate::xpbd::{self, Xpbd};
 use super::measure;
 use super::model::Model;
 use super::report::StepReport;
 use super::start;
 use super::state::State;
-use super::step::{Diverged, explicit_step, implicit_step};
-use crate::scene::{FabricError, Scene};
+use super::step::{Diverged, explicit_step, implicit_step, position_step};
+use crate::scene::{FabricError, Scene, Solver, StableLimit};
 
 /// Why a simulation could not be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -18,7 +20,7 @@ pub enum Refused {
     /// The explicit scheme was asked for more than its stable step.
     #[error(
         "method.substep = {asked:.3e} s is over the stable limit of central-difference on this mesh, \
-         {limit:.3e} s; leave it out to substep at the limit"
+         {limit:.3e} s; leave it out to substep at the limit, or see it diverge with method.limit = \"ignore\""
     )]
     Unstable {
         /// Substep asked for \[s\].
@@ -26,6 +28,9 @@ pub enum Refused {
         /// Stable limit \[s\].
         limit: f64,
     },
+    /// An obstacle stands in the cloth.
+    #[error("at the start: {0}")]
+    World(#[from] Rejected),
     /// The fabric cannot be one.
     #[error(transparent)]
     Fabric(#[from] FabricError),
@@ -35,6 +40,7 @@ pub enum Refused {
 pub(super) enum Engine {
     Implicit(Rule, Box<Implicit>),
     Explicit(Box<Explicit>, f64),
+    Positions(Box<Xpbd>, f64),
 }
 
 /// A model with its state.
@@ -53,10 +59,15 @@ impl Simulation {
     pub fn new(scene: &Scene, threads: usize) -> Result<Self, Refused> {
         let fabric = scene.fabric.resolve()?;
         let model = Model::new(scene, fabric);
-        let (state, touch) = start::start(&model);
-        let engine = match Rule::of(&scene.method) {
-            Some(rule) => Engine::Implicit(rule, Box::new(Implicit::new(&model, threads))),
-            None => {
+        let (state, touch) = start::start(&model)?;
+        let method = &scene.method;
+        let engine = match (Rule::of(method), method.solver) {
+            (Some(_), Solver::Xpbd) => {
+                let substep = method.substep.unwrap_or(method.dt / xpbd::SUBSTEPS);
+                Engine::Positions(Box::new(Xpbd::new(&model)), substep)
+            }
+            (Some(rule), _) => Engine::Implicit(rule, Box::new(Implicit::new(&model, threads))),
+            (None, _) => {
                 let mut explicit = Box::new(Explicit::new(&model, &state.nodes()));
                 let substep = substep(&model, explicit.limit(&model))?;
                 Engine::Explicit(explicit, substep)
@@ -96,7 +107,7 @@ impl Simulation {
     pub fn substep(&self) -> Option<f64> {
         match self.engine {
             Engine::Explicit(_, substep) => Some(substep),
-            Engine::Implicit(..) => None,
+            Engine::Implicit(..) | Engine::Positions(..) => None,
         }
     }
 
@@ -120,6 +131,9 @@ impl Simulation {
             Engine::Explicit(explicit, substep) => {
                 explicit_step(&self.model, explicit, *substep, &mut next, &mut report)?
             }
+            Engine::Positions(xpbd, substep) => {
+                position_step(&self.model, xpbd, *substep, &mut next, &mut report)?
+            }
         };
         next.step += 1;
         measure::measure(&self.model, &next, &touch, &mut report);
@@ -130,8 +144,9 @@ impl Simulation {
 }
 
 fn substep(model: &Model, limit: f64) -> Result<f64, Refused> {
+    let keeps = model.scene.method.limit == StableLimit::Keep;
     match model.scene.method.substep {
-        Some(asked) if asked > limit => Err(Refused::Unstable { asked, limit }),
+        Some(asked) if asked > limit && keeps => Err(Refused::Unstable { asked, limit }),
         Some(asked) => Ok(asked),
         None => Ok(SAFETY * limit),
     }

@@ -10,13 +10,16 @@ use crate::contact::{Obstacle, obstacle_of, with_obstacle};
 pub struct State {
     /// Index of the last step taken; time is `step * dt`.
     pub step: u64,
+    /// Index of the step at which the run began, or was reset last: prescribed motions count from there.
+    pub began: u64,
     /// Vertex positions \[m\], world frame, shape \[vertices\].
     pub positions: Vec<Vector3<f64>>,
     /// Vertex velocities \[m/s\], shape \[vertices\].
     pub velocities: Vec<Vector3<f64>>,
     /// Derivative of the position across each edge \[-\], shape \[edges\].
     pub slopes: Vec<Vector3<f64>>,
-    /// Rates of the slopes \[1/s\], shape \[edges\]; zero but for the explicit scheme, where slopes have inertia.
+    /// Rates of the slopes \[1/s\], shape \[edges\]; zero but for the explicit scheme and
+    /// `xpbd`, where slopes have inertia.
     pub slope_rates: Vec<Vector3<f64>>,
     /// Obstacles where they are now, in the order of their names.
     pub obstacles: Vec<Obstacle>,
@@ -26,6 +29,8 @@ pub struct State {
     pub history: History,
     /// Frictional bonds, sorted by key.
     pub bonds: Vec<Memory>,
+    /// Frictional bonds of layer on layer, sorted by key.
+    pub layer_bonds: Vec<Memory>,
     /// What the sheet has exchanged with the world; no step depends on it, but a report does.
     pub ledger: Ledger,
 }
@@ -68,7 +73,7 @@ impl History {
 /// What a frictional bond remembers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Memory {
-    /// Identity of the proximity.
+    /// Identity of the proximity or pair.
     pub key: u64,
     /// Elastic tangential offset \[m\].
     pub offset: Vector3<f64>,

@@ -4,16 +4,25 @@ use super::air::Breeze;
 use super::implicit::{Implicit, Solved};
 use super::integrate::Rule;
 use super::integrate::explicit::Explicit;
+use super::integrate::xpbd::Xpbd;
 use super::model::Model;
-use super::report::StepReport;
+use super::report::{StepReport, Work};
 use super::state::State;
 use super::touch::Touch;
+use super::travel;
 use crate::math::newton::{Limits, OVERSHOOT};
+use crate::scene::{Solver, StableLimit};
 
 /// Distance from the origin beyond which a vertex counts as lost \[m\].
 const FAR: f64 = 1e6;
-/// Smallest part of a step that is tried: 1/64.
-const TICKS: u32 = 64;
+/// Smallest part of a step that is tried: 1/4096.
+const TICKS: u32 = 4096;
+
+/// Substeps of an explicit step beyond which it is not repeated smaller for speed.
+const MOST_PARTS: u64 = 1 << 16;
+
+/// Iterations of `quasi-newton` in place of one of `newton`; about what they cost.
+const QUASI_NEWTON_ITERATIONS: usize = 25;
 
 /// A step that could not be taken.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -49,14 +58,21 @@ pub fn implicit_step(
     let method = &model.scene.method;
     let limits = Limits {
         tolerance: method.tolerance,
-        iterations: method.max_iterations,
+        iterations: match method.solver {
+            Solver::QuasiNewton => QUASI_NEWTON_ITERATIONS * method.max_iterations,
+            _ => method.max_iterations,
+        },
         overshoot: OVERSHOOT,
     };
     solver.forget();
     let (mut done, mut size) = (0, TICKS);
     let mut touch = Touch::default();
     while done < TICKS {
-        let dt = method.dt * f64::from(size) / f64::from(TICKS);
+        let part = |size: u32| method.dt * f64::from(size) / f64::from(TICKS);
+        while size > 1 && travel::ahead(model, state, part(size)) > 1.0 {
+            size /= 2;
+        }
+        let dt = part(size);
         let within = method.dt * f64::from(done) / f64::from(TICKS);
         let solved = solver.solve(model, state, rule, (within, dt), &limits);
         count(&solved, report);
@@ -64,6 +80,11 @@ pub fn implicit_step(
             if size == 1 {
                 return Err(diverged(model, state, &solved, dt));
             }
+            report.work.rejected += 1;
+            size /= 2;
+            continue;
+        }
+        if size > 1 && went_far(model, state, rule, &solved, (within, dt)) {
             report.work.rejected += 1;
             size /= 2;
             continue;
@@ -78,13 +99,27 @@ pub fn implicit_step(
     Ok(touch)
 }
 
+/// Whether the sheet and an obstacle moved against each other so far that one may have passed the other.
+fn went_far(
+    model: &Model,
+    state: &State,
+    rule: Rule,
+    solved: &Solved,
+    (within, dt): (f64, f64),
+) -> bool {
+    if state.obstacles.is_empty() {
+        return false;
+    }
+    let mut end = state.clone();
+    take(model, &mut end, rule, solved, (within, dt));
+    let places = [&state.positions[..], &end.positions];
+    travel::taken(model, places, [&state.obstacles, &end.obstacles]) > 2.0
+}
+
 fn count(solved: &Solved, report: &mut StepReport) {
     let outcome = &solved.outcome;
+    report.work += Work::of(outcome);
     report.work.substeps += u64::from(outcome.converged);
-    report.work.iterations += outcome.iterations;
-    report.work.factorisations += outcome.factorisations;
-    report.work.solves += outcome.iterations;
-    report.work.halvings += outcome.halvings;
     if outcome.converged {
         report.residual = report.residual.max(outcome.norm);
     }
@@ -108,23 +143,38 @@ fn advance(
     let pushed = solved
         .touch
         .work_of_obstacles(model, &state.obstacles, &solved.nodes);
-    let slipped = take(state, rule, solved, dt);
+    let held = model.held_kinetic(state);
+    let slipped = take(model, state, rule, solved, (within, dt));
     let after = powers(state, within + dt);
+    let accelerated = model.held_kinetic(state) - held;
     let ledger = &mut state.ledger;
     ledger.damping += 0.5 * dt * (before[0] + after[0]);
     ledger.air += 0.5 * dt * (before[1] + after[1]);
     ledger.friction += slipped;
     // Contact acts from the start of the step to where its forces are taken, and on to the end.
-    ledger.supports += pushed / solved.map.fraction;
+    ledger.supports += pushed / solved.map.fraction + solved.support_work + accelerated;
 }
 
-/// Takes the state to the end of a solved step; returns the energy that slip took out \[J\].
-pub fn take(state: &mut State, rule: Rule, solved: &Solved, dt: f64) -> f64 {
+/// Takes the state to the end of a solved step, which starts `within` the outer one and takes `dt`; returns the energy
+/// that slip took out \[J\].
+pub fn take(
+    model: &Model,
+    state: &mut State,
+    rule: Rule,
+    solved: &Solved,
+    (within, dt): (f64, f64),
+) -> f64 {
     let (bonds, slipped) = solved.touch.settle(&solved.nodes);
+    let (layer_bonds, rubbed) = solved.layers.settle(&solved.nodes);
     rule.advance(state, &solved.map, &solved.nodes, dt);
     state.bonds = bonds;
-    state.obstacles.iter_mut().for_each(|o| o.advance(dt));
-    slipped
+    state.layer_bonds = layer_bonds;
+    if rule != Rule::GradientFlow {
+        let time = model.script_time(state, within + dt);
+        model.move_obstacles(&mut state.obstacles, time, dt);
+        model.hold(state, time);
+    }
+    slipped + rubbed
 }
 
 /// The step that failed, with where it was worst.
@@ -168,29 +218,75 @@ pub fn explicit_step(
     state: &mut State,
     report: &mut StepReport,
 ) -> Result<Touch, Diverged> {
-    let substep = explicit.substep(model, state, substep, report.dt);
-    let parts = (report.dt / substep).ceil().max(1.0) as u64;
+    let substep = match model.scene.method.limit {
+        StableLimit::Keep => explicit.substep(model, state, substep, report.dt),
+        StableLimit::Ignore => substep,
+    };
+    let mut parts = parts(report.dt, substep);
+    let start = state.clone();
+    let (touch, dt) = loop {
+        let dt = report.dt / parts as f64;
+        let (touch, haste) = explicit.advance(model, state, dt, parts);
+        report.work.substeps += parts;
+        report.work.evaluations += parts;
+        let layers = explicit.layer_work();
+        if layers.is_none() && parts >= MOST_PARTS {
+            let advice = "layers of cloth meet too hard; try a smaller method.dt or a finer mesh";
+            return Err(failure(model, &start, (f64::INFINITY, 0), advice.into()));
+        }
+        let safe = haste <= 1.0 || !haste.is_finite() || parts >= MOST_PARTS;
+        let ignored = model.scene.method.limit == StableLimit::Ignore;
+        if let (true, Some(work)) = (safe || ignored, layers) {
+            report.work += work;
+            break (touch, dt);
+        }
+        // Too fast to be seen coming: once more in smaller substeps.
+        report.work.rejected += 1;
+        parts = (parts as f64 * (1.2 * haste).min(16.0)).ceil() as u64;
+        state.clone_from(&start);
+    };
+    let advice = "leave method.substep out, or try one below";
+    found(model, state, dt, advice).map(|()| touch)
+}
+
+/// Substeps of at most `substep` in a step; rounding must not add one.
+fn parts(dt: f64, substep: f64) -> u64 {
+    (dt / substep * (1.0 - 1e-12)).ceil().max(1.0) as u64
+}
+
+/// One outer step of position-based substeps. It is not repeated where it does not converge: it says so.
+pub fn position_step(
+    model: &Model,
+    xpbd: &mut Xpbd,
+    substep: f64,
+    state: &mut State,
+    report: &mut StepReport,
+) -> Result<Touch, Diverged> {
+    let parts = parts(report.dt, substep);
     let dt = report.dt / parts as f64;
-    let before = state.step;
-    let touch = explicit.advance(model, state, dt, parts);
+    let (touch, residual, _) = xpbd.advance(model, state, dt, parts);
     report.work.substeps = parts;
-    let lost = state
-        .positions
-        .iter()
-        .position(|x| !x.iter().all(|c| c.is_finite() && c.abs() < FAR));
-    match lost {
-        None => Ok(touch),
-        Some(vertex) => Err(Diverged {
-            step: before + 1,
-            time: before as f64 * report.dt,
-            dt,
-            residual: f64::INFINITY,
-            vertex,
-            at: model.start()[vertex].into(),
-            advice: format!(
-                "leave method.substep out, or try one below {:.1e} s",
-                0.5 * dt
-            ),
-        }),
-    }
+    report.work.iterations = parts;
+    report.work.evaluations = parts + 1;
+    report.residual = residual;
+    report.converged = residual <= model.scene.method.tolerance;
+    found(model, state, dt, "try a method.substep below").map(|()| touch)
+}
+
+/// Whether all vertices are somewhere; else which is not, with advice that ends in half of `dt` \[s\].
+fn found(model: &Model, state: &State, dt: f64, advice: &str) -> Result<(), Diverged> {
+    let lost = |x: &nalgebra::Vector3<f64>| !x.iter().all(|c| c.is_finite() && c.abs() < FAR);
+    let Some(vertex) = state.positions.iter().position(lost) else {
+        return Ok(());
+    };
+    Err(Diverged {
+        at: model.start()[vertex].into(),
+        dt,
+        ..failure(
+            model,
+            state,
+            (f64::INFINITY, vertex),
+            format!("{advice} {:.1e} s", 0.5 * dt),
+        )
+    })
 }

@@ -6,13 +6,14 @@ use super::inbound::Malformed;
 use super::messages::geometry_msgs;
 use super::messages::toile_msgs::{Air as WireAir, Keyframe, Obstacle as WireObstacle};
 use super::{header, obstacles};
-use crate::contact::{Obstacle, Pose, Shape, Velocity};
+use crate::contact::{Obstacle, Overlap, Pose, Shape, Velocity};
 use crate::sim::{Air, AirRegion, History, Ledger, Memory, State};
 
 /// A state with its digest, at its simulated time \[s\].
 pub fn keyframe(state: &State, digest: u64, time: f64) -> Keyframe {
     let bonds = state.bonds.iter();
     let offsets: Vec<_> = bonds.clone().map(|bond| bond.offset).collect();
+    let layer_offsets: Vec<_> = state.layer_bonds.iter().map(|bond| bond.offset).collect();
     let History {
         dt,
         positions,
@@ -22,6 +23,7 @@ pub fn keyframe(state: &State, digest: u64, time: f64) -> Keyframe {
     Keyframe {
         header: header(time),
         step: state.step,
+        began: state.began,
         digest,
         positions: flat(&state.positions),
         velocities: flat(&state.velocities),
@@ -34,6 +36,8 @@ pub fn keyframe(state: &State, digest: u64, time: f64) -> Keyframe {
         accelerations: flat(accelerations),
         bond_keys: bonds.map(|bond| bond.key).collect(),
         bond_offsets: flat(&offsets),
+        layer_bond_keys: state.layer_bonds.iter().map(|bond| bond.key).collect(),
+        layer_bond_offsets: flat(&layer_offsets),
         air: air(&state.air),
         ledger_damping: state.ledger.damping,
         ledger_friction: state.ledger.friction,
@@ -47,19 +51,10 @@ pub fn keyframe(state: &State, digest: u64, time: f64) -> Keyframe {
 /// # Errors
 /// A list is not made of vectors, bonds do not match, or a shape is none.
 pub fn state(keyframe: &Keyframe) -> Result<State, Malformed> {
-    let offsets = vectors("bond_offsets", &keyframe.bond_offsets)?;
-    if offsets.len() != keyframe.bond_keys.len() {
-        let found = format_args!("{} offsets", offsets.len());
-        let range = format!(
-            "must be as many as there are keys, {}",
-            keyframe.bond_keys.len()
-        );
-        return Err(Malformed::range("bond_offsets", found, &range));
-    }
-    let bonds = keyframe.bond_keys.iter().zip(offsets);
     let obstacles: Result<_, _> = keyframe.obstacles.iter().map(read).collect();
     Ok(State {
         step: keyframe.step,
+        began: keyframe.began,
         positions: vectors("positions", &keyframe.positions)?,
         velocities: vectors("velocities", &keyframe.velocities)?,
         slopes: vectors("slopes", &keyframe.slopes)?,
@@ -72,7 +67,12 @@ pub fn state(keyframe: &Keyframe) -> Result<State, Malformed> {
             velocities: vectors("history_velocities", &keyframe.history_velocities)?,
             accelerations: vectors("accelerations", &keyframe.accelerations)?,
         },
-        bonds: bonds.map(|(&key, offset)| Memory { key, offset }).collect(),
+        bonds: memory("bond", &keyframe.bond_keys, &keyframe.bond_offsets)?,
+        layer_bonds: memory(
+            "layer_bond",
+            &keyframe.layer_bond_keys,
+            &keyframe.layer_bond_offsets,
+        )?,
         ledger: Ledger {
             damping: keyframe.ledger_damping,
             friction: keyframe.ledger_friction,
@@ -80,6 +80,18 @@ pub fn state(keyframe: &Keyframe) -> Result<State, Malformed> {
             air: keyframe.ledger_air,
         },
     })
+}
+
+fn memory(name: &str, keys: &[u64], offsets: &[f64]) -> Result<Vec<Memory>, Malformed> {
+    let field = format!("{name}_offsets");
+    let offsets = vectors(&field, offsets)?;
+    if offsets.len() != keys.len() {
+        let found = format_args!("{} offsets", offsets.len());
+        let range = format!("must be as many as there are keys, {}", keys.len());
+        return Err(Malformed::range(&field, found, &range));
+    }
+    let bonds = keys.iter().zip(offsets);
+    Ok(bonds.map(|(&key, offset)| Memory { key, offset }).collect())
 }
 
 fn flat(list: &[Vector3<f64>]) -> Vec<f64> {
@@ -153,6 +165,9 @@ fn obstacle(obstacle: &Obstacle) -> WireObstacle {
         pose: obstacles::wire_pose(&obstacle.pose),
         twist: obstacles::wire_twist(&obstacle.velocity),
         friction: obstacle.friction,
+        scripted: obstacle.scripted,
+        overlap_depth: obstacle.overlap.depth,
+        overlap_speed: obstacle.overlap.speed,
     }
 }
 
@@ -182,5 +197,10 @@ fn read(obstacle: &WireObstacle) -> Result<Obstacle, Malformed> {
             angular: vector(&obstacle.twist.angular),
         },
         friction: obstacle.friction,
+        scripted: obstacle.scripted,
+        overlap: Overlap {
+            depth: obstacle.overlap_depth,
+            speed: obstacle.overlap_speed,
+        },
     })
 }

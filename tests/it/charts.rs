@@ -1,19 +1,23 @@
 //! The work-precision chart: nothing that failed is left out, what is in its CSV is not run again.
 
+use toile::chart::peers::Peer;
 use toile::chart::plot::{self, CROSS_GLYPH, Caption};
 use toile::chart::png_of_svg;
 use toile::chart::reference::Reference;
-use toile::chart::rows::{self, Asked, Key, Outcome, Row};
+use toile::chart::rows::{self, Asked, Key, Outcome, Parts, Row};
+use toile::chart::stability::{self, Fate};
+use toile::chart::stability_plot;
 use toile::chart::work_precision::{ChartError, Problem};
-use toile::scene::{Scheme, library, parse};
+use toile::scene::{Method, Scheme, library, parse};
+use toile::sim::Work;
 
-fn row(scheme: Scheme, asked: Asked, outcome: Outcome) -> Row {
+fn row(method: impl Into<Method>, asked: Asked, outcome: Outcome) -> Row {
     Row {
         key: Key {
             scene: "strip-release".into(),
             fabric: "F1".into(),
             mesh: "triangles=600".into(),
-            scheme,
+            method: method.into(),
             asked,
         },
         triangles: 604,
@@ -23,10 +27,24 @@ fn row(scheme: Scheme, asked: Asked, outcome: Outcome) -> Row {
         cpu: 0.1 + 0.2,
         simulated: 0.3,
         steps: 900,
-        substeps: 901,
-        rejected: 1,
-        iterations: 2700,
-        factorisations: 2699,
+        starved: 4,
+        work: Work {
+            substeps: 901,
+            rejected: 1,
+            iterations: 2700,
+            evaluations: 3700,
+            factorisations: 2699,
+            indefinite: 7,
+            constant: 3,
+            solves: 2700,
+            halvings: 12,
+            ..Work::default()
+        },
+        parts: Parts {
+            algebra: Some(1.0 / 3.0 * 1e-6),
+            time: Some(2e-3),
+            space: None,
+        },
     }
 }
 
@@ -67,6 +85,7 @@ fn caption() -> Caption {
         error_over: "length".into(),
         uncertainty: 1.3e-4,
         source: "a chain".into(),
+        peers: vec![("another 4 ms".into(), 17.0, 0.1)],
     }
 }
 
@@ -97,6 +116,26 @@ fn verify_failed_runs_are_crosses() {
     assert!(png_of_svg(&svg, 1.0).unwrap().starts_with(b"\x89PNG"));
 }
 
+/// Another program's runs are points with their name; what they are compared by is the height.
+#[test]
+fn consistency_of_peers() {
+    let svg = plot::chart(&caption(), &rows_with_failures()).unwrap();
+    assert_eq!(svg.matches("another 4 ms").count(), 1);
+    let peers = Peer::on("drape-table");
+    assert_eq!(peers.len(), 6);
+    let fall = Reference {
+        times: vec![0.05, 0.1],
+        displacements: vec![nalgebra::Vector3::zeros(); 2],
+        uncertainty: 0.0,
+        source: "none".into(),
+    };
+    for peer in &peers {
+        let fallen = peer.distance(&fall);
+        assert!((0.02..0.03).contains(&fallen), "{peer:?}: {fallen}");
+    }
+    assert!(Peer::on("strip-release").is_empty());
+}
+
 fn problem(name: &str) -> Result<Problem, ChartError> {
     Problem::of(parse(library::text(name).unwrap(), &[]).unwrap().0)
 }
@@ -118,12 +157,14 @@ fn consistency_a_planned_run_is_found_in_its_csv() {
         plan.iter()
             .all(|key| back.iter().any(|row| row.key == *key))
     );
-    for scheme in Scheme::IN_TIME {
-        assert!(
-            plan.iter().any(|key| key.scheme == scheme),
-            "{} is not run",
-            scheme.name()
-        );
+    for method in Method::IN_TIME {
+        for triangles in &problem.meshes {
+            let mesh = format!("triangles={triangles}");
+            let runs = plan
+                .iter()
+                .filter(|key| key.method == method && key.mesh == mesh);
+            assert!(runs.count() >= 2, "{} is not run", method.name());
+        }
     }
 }
 
@@ -131,22 +172,33 @@ fn consistency_a_planned_run_is_found_in_its_csv() {
 #[test]
 fn consistency_a_run_becomes_a_row() {
     let mut problem = problem("strip-release").unwrap();
-    problem.scene.sheet.triangles = Some(60);
+    problem.meshes = vec![60];
     let reference = problem.reference.clone().unwrap();
+    let own = problem.truth_on(60, &mut |_| {}).unwrap();
     let plan = problem.plan();
-    let key = plan.iter().find(|k| k.scheme == Scheme::Bdf2).unwrap();
+    let key = plan
+        .iter()
+        .find(|k| k.method == Scheme::Bdf2.into())
+        .unwrap();
     let (mut ticks, mut parts) = (0.0, vec![]);
     let mut clock = || {
         ticks += 0.5;
         ticks
     };
-    let row = problem.run(key, &reference, &mut clock, &mut |part| parts.push(part));
+    let row = problem.run(key, (&reference, Some(&own)), &mut clock, &mut |part| {
+        parts.push(part);
+    });
     assert_eq!(row.key, *key);
     assert_eq!(row.cpu, 0.5 * row.steps as f64);
     assert!(parts.windows(2).all(|p| p[0] < p[1]));
     match row.outcome {
         Outcome::Done { error } => {
             assert!(error.is_finite());
+            let [algebra, time, space] =
+                [row.parts.algebra, row.parts.time, row.parts.space].map(Option::unwrap);
+            println!("{error}: algebra {algebra:e}, time {time:e}, space {space:e}");
+            // What is apart from the reference is apart by time or by space; the algebra is the least.
+            assert!(error <= time + space + 1e-12 && algebra < 0.1 * time);
             assert!((row.simulated - 0.3).abs() < 1e-12 && row.steps == 30);
         }
         Outcome::Died { time, .. } => assert!(time < 0.3),
@@ -160,5 +212,68 @@ fn consistency_references_survive_csv() {
     assert!((reference.displacements[9].z + 0.0745004).abs() < 1e-12);
     assert!(reference.uncertainty < 1.4e-5);
     assert_eq!(Reference::from_csv(&reference.to_csv()).unwrap(), reference);
-    assert!(problem("free-fall").is_err());
+    assert!(problem("drapemeter-resting").is_err());
+}
+
+/// The map of stability: right inside the explicit limit, lost outside, and every implicit scheme right at a millisecond.
+#[test]
+fn verify_the_map_of_stability() {
+    let scene = parse(library::text("four-edges").unwrap(), &[]).unwrap().0;
+    let cells = stability::cells(&scene).unwrap();
+    let places = stability::STIFFNESSES.len() * stability::MESHES.len();
+    assert_eq!(cells.len(), places);
+    // Four times the frequency, half the step.
+    let limit = |stiffness: f64| {
+        cells
+            .iter()
+            .find(|c| c.stiffness == stiffness)
+            .unwrap()
+            .limit
+    };
+    let shorter = limit(1.0) / limit(100.0);
+    assert!((shorter / 10.0 - 1.0).abs() < 0.1, "{shorter}");
+    let cell = &cells[1];
+    let truth = cell.truth(&mut |_| {}).unwrap();
+    let fate = |method: Method, dt: f64| {
+        let key = cell.key(method, dt);
+        let row = cell.run(&key, &truth, &mut || 0.0, &mut |_| {});
+        assert_eq!(row.key, key);
+        (Fate::of(&row), row)
+    };
+    let explicit = Method::from(Scheme::CentralDifference);
+    let mut rows = vec![];
+    for dt in stability::STEPS {
+        let (fate, row) = fate(explicit, dt);
+        let expected = match dt {
+            dt if dt > 1.03 * cell.limit => Fate::Lost,
+            dt if dt < 0.97 * cell.limit => Fate::Right,
+            _ => fate,
+        };
+        assert_eq!(
+            fate, expected,
+            "{dt} s against a limit of {} s: {:?}",
+            cell.limit, row.outcome
+        );
+        rows.push(row);
+    }
+    assert!(
+        rows.iter().any(|r| Fate::of(r) == Fate::Right),
+        "{}",
+        cell.limit
+    );
+    for scheme in [
+        Scheme::BackwardEuler,
+        Scheme::Bdf2,
+        Scheme::GeneralisedAlpha,
+    ] {
+        let (fate, row) = fate(scheme.into(), 1e-3);
+        assert_ne!(fate, Fate::Lost, "{}: {:?}", scheme.name(), row.outcome);
+        rows.push(row);
+    }
+    let svg = stability_plot::map("a map", &cells, &rows).unwrap();
+    let lost = rows.iter().filter(|r| Fate::of(r) == Fate::Lost).count();
+    // One in the legend.
+    assert_eq!(svg.matches(CROSS_GLYPH).count(), lost + 1);
+    assert!(svg.contains("central-difference, 50 triangles"));
+    assert!(png_of_svg(&svg, 1.0).unwrap().starts_with(b"\x89PNG"));
 }

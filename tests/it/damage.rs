@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use tempfile::TempDir;
-use toile::node::{NodeError, Recording, RunOptions, run, seal};
+use toile::node::{NodeError, Recording, RunOptions, run, seal, verify};
 
 use crate::recording::{assert_whole, error_of, recorded, scene};
 
@@ -54,6 +54,22 @@ fn a_flipped_byte_is_noticed() {
     let error = Recording::open(&path).map(|_| ()).expect_err("damaged");
     assert!(matches!(error, NodeError::Unreadable { .. }), "{error}");
     assert!(error.to_string().contains("at byte"), "{error}");
+}
+
+/// Wherever a byte is flipped, reading ends with an error or with what was recorded: a length inside a damaged chunk
+/// is not believed.
+#[test]
+fn flipped_bytes_all_over_a_file_do_no_harm() {
+    let (_directory, path) = recorded();
+    let whole = fs::read(&path).expect("read");
+    let mut noticed = 0;
+    for at in (0..whole.len()).step_by(whole.len() / 300) {
+        let mut bytes = whole.clone();
+        bytes[at] ^= 1;
+        fs::write(&path, &bytes).expect("write");
+        noticed += usize::from(verify(&path).is_ok_and(|faults| !faults.is_empty()));
+    }
+    assert!(noticed > 200, "{noticed} noticed");
 }
 
 /// Where a child process records to; see [`records_where_told`].

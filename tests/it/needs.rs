@@ -13,7 +13,8 @@ fn terms(text: &str, overrides: &[&str]) -> Vec<Term> {
 #[test]
 fn a_scene_needs_what_its_values_say() {
     use Term::{Bend, Contact, Damping, Friction, Gravity, Stretch, Support};
-    assert_eq!(terms(GOOD, &["air.fluid_damping=0.1"]), Term::ALL);
+    let all = ["air.fluid_damping=0.1", "layers.friction=0.2"];
+    assert_eq!(terms(GOOD, &all), Term::ALL);
     assert!(!terms(GOOD, &[]).contains(&Term::Drag));
     assert_eq!(
         terms(GOOD, &["damping=0", "gravity=[0, 0, 0]"]),
@@ -73,6 +74,7 @@ fn a_reason_quotes_the_scene() {
         &[
             "obstacle.ball.shape={ kind = \"sphere\", radius = 0.02 }",
             "air.fluid_damping=0.03",
+            "layers.friction=0.2",
         ],
     );
     let reasons: Vec<_> = needs(&scene)
@@ -90,6 +92,7 @@ fn a_reason_quotes_the_scene() {
             "support.left",
             "obstacle.ball, obstacle.table",
             "obstacle.table.friction = 0.3",
+            "the scene has layers: it may touch itself, layers.friction = 0.2",
         ]
     );
 }
@@ -103,6 +106,7 @@ fn the_model_has_the_terms_that_the_scene_needs() {
         let model = Model::new(&scene, scene.fabric.resolve().unwrap());
         assert_eq!(model.contact.is_some(), needed(Term::Contact), "{name}");
         assert_eq!(!model.supports.is_empty(), needed(Term::Support), "{name}");
+        assert_eq!(model.layers.is_some(), needed(Term::Layers), "{name}");
         assert_eq!(model.drag, needed(Term::Drag), "{name}");
         assert_eq!(model.gravity.total() > 0.0, needed(Term::Gravity), "{name}");
     }

@@ -44,8 +44,11 @@ fn an_unknown_key_names_itself_its_line_and_what_is_allowed() {
     );
     refuses(
         "scheme = \"bdf2\"",
-        "solver = 1",
-        &["line 22: method.solver = 1", "scheme, dt, tolerance"],
+        "algebra = 1",
+        &[
+            "line 22: method.algebra = 1",
+            "scheme, solver, dt, tolerance",
+        ],
     );
     refuses(
         "{ kind = \"x-min\" }",

@@ -110,7 +110,9 @@ fn built_in_scenes_are_checked_and_survive_being_written() {
             "drape-table-part",
             "drapemeter",
             "drapemeter-resting",
-            "strip-release"
+            "towel-fold",
+            "strip-release",
+            "fling"
         ]
     );
     for name in library::names() {
@@ -176,12 +178,31 @@ c = { kind = "clamp", region = { kind = "disc", diameter = 0.1 } }
 d = { kind = "pin", region = { kind = "point", at = [0.1, 0.0] } }
 [load]
 hem = { region = { kind = "boundary" }, force = [0.0, 0.1, -0.2] }
+[support.e]
+kind = "pin"
+region = { kind = "point", at = [0.0, 0.1] }
+[support.e.motion]
+law = "smooth"
+times = [0.0, 1.0]
+displacements = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.1]]
+rotations = [[0.0, 0.0, 0.0], [0.0, 0.0, 45.0]]
 [obstacle]
 plane = { shape = { kind = "plane" }, position = [0.0, 0.0, -1.0], rotation = [0.0, 5.0, 0.0] }
 ball = { shape = { kind = "sphere", radius = 0.1 }, linear_velocity = [0.1, 0.0, 0.0] }
 plate = { shape = { kind = "disc", radius = 0.1 }, angular_velocity = [0.0, 0.0, 1.0] }
 post = { shape = { kind = "cylinder", radius = 0.1, length = 0.2 }, friction = 0.2 }
 pill = { shape = { kind = "capsule", radius = 0.1, length = 0.2 } }
+[obstacle.jaw]
+shape = { kind = "disc", radius = 0.1 }
+[obstacle.jaw.motion]
+law = "linear"
+times = [0.0, 1.0]
+positions = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.1]]
+rotations = [[0.0, 0.0, 0.0], [0.0, 0.0, 45.0]]
+[overlap]
+rule = "refuse"
+time = 0.1
+speed = 0.2
 [air]
 fluid_damping = 0.5
 velocity = [1.0, 0.0, -2.0]
@@ -189,6 +210,9 @@ region = { min = [-1.0, -1.0, -1.0], max = [1.0, 1.0, 1.0] }
 rise = 0.1
 start = 0.2
 hold = 0.3
+[layers]
+friction = 0.25
+thickness = 2e-3
 [perturbation]
 amplitude = 1e-4
 seed = 9223372036854775807
@@ -198,6 +222,8 @@ dt = 1e-3
 tolerance = 1e-5
 max_iterations = 20
 substep = 1e-5
+solver = "quasi-newton"
+limit = "ignore"
 rho_infinity = 0.5
 [output]
 rate = 50

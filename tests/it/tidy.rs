@@ -34,11 +34,12 @@ pub const IMPORTS: [(&str, &str); 12] = [
 ];
 
 /// The top level that the customer fixed, and what Cargo adds; beside them only files that begin with a dot.
-const TOP_LEVEL: [&str; 8] = [
+const TOP_LEVEL: [&str; 9] = [
     "Cargo.lock",
     "Cargo.toml",
     "LICENSE",
     "README.md",
+    "benches",
     "msgs",
     "recordings",
     "src",

@@ -64,10 +64,7 @@ pub fn flow(
         for _ in 0..phase.most {
             let solved = solver.solve(model, state, rule, (within, tau), &limits);
             let outcome = &solved.outcome;
-            work.iterations += outcome.iterations;
-            work.factorisations += outcome.factorisations;
-            work.solves += outcome.iterations;
-            work.halvings += outcome.halvings;
+            *work += Work::of(outcome);
             if outcome.iterations == 0 {
                 return Ok(Flowed {
                     residual: outcome.norm,
@@ -85,7 +82,7 @@ pub fn flow(
                 continue;
             }
             work.substeps += 1;
-            state.ledger.friction += take(state, rule, &solved, tau);
+            state.ledger.friction += take(model, state, rule, &solved, (within, tau));
             match outcome.halvings {
                 0 => tau = (phase.growth * tau).min(MOST_STEP),
                 1 => {}

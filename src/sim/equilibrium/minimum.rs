@@ -8,6 +8,7 @@ use rand_pcg::Pcg64;
 use crate::math::sparse::NO_SLOT;
 use crate::sim::implicit::Implicit;
 use crate::sim::model::Model;
+use crate::sim::report::Work;
 use crate::sim::state::State;
 use crate::sim::touch::Touch;
 
@@ -33,10 +34,15 @@ pub struct Softest {
 }
 
 /// Finds the softest mode. The load of air, which is no energy, counts as constant.
-pub fn softest(model: &Model, solver: &mut Implicit, state: &State) -> Softest {
+pub fn softest(model: &Model, solver: &mut Implicit, state: &State, work: &mut Work) -> Softest {
     let touch = Touch::of(model, state, None);
     let mut shift = 0.0;
-    while !solver.factorise_exact(model, state, &touch, shift) && shift < LAST_SHIFT {
+    let mut positive_definite = |shift: f64| {
+        work.factorisations += 1;
+        work.tests += 1;
+        solver.factorise_exact(model, state, &touch, shift)
+    };
+    while !positive_definite(shift) && shift < LAST_SHIFT {
         shift = (10.0 * shift).max(FIRST_SHIFT);
     }
     let mut nodes = vec![Vector3::zeros(); model.dofs.index.len()];
@@ -52,6 +58,7 @@ pub fn softest(model: &Model, solver: &mut Implicit, state: &State) -> Softest {
         weigh(model, &z, &mut weighted);
         let mut next = weighted.clone();
         solver.back_substitute(&mut next);
+        work.solves += 1;
         let across = dot(&next, &weighted);
         weigh(model, &next, &mut weighted);
         let along = dot(&next, &weighted);

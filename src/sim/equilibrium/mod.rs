@@ -47,10 +47,10 @@ impl Simulation {
     /// No minimum of the energy was reached; the state is then as it was.
     ///
     /// # Panics
-    /// With the explicit scheme, which cannot do this.
+    /// With another solver than Newton, which cannot do this.
     pub fn settle(&mut self, tolerance: f64) -> Result<Equilibrium, Diverged> {
         let Engine::Implicit(_, solver) = &mut self.engine else {
-            panic!("settle() needs an implicit scheme");
+            panic!("settle() needs an implicit scheme with newton");
         };
         let (mut state, mut report) = (self.state.clone(), self.report.clone());
         let rest = rest(&self.model, solver, &mut state, tolerance, 0.0)?;
@@ -75,9 +75,9 @@ pub fn equilibrium_step(
     report: &mut StepReport,
 ) -> Result<(Touch, Equilibrium), Diverged> {
     let method = &model.scene.method;
-    for obstacle in &mut state.obstacles {
-        obstacle.advance(method.dt);
-    }
+    let time = model.script_time(state, method.dt);
+    model.move_obstacles(&mut state.obstacles, time, method.dt);
+    model.hold(state, time);
     let rest = rest(model, solver, state, method.tolerance, method.dt)?;
     report.work = rest.work;
     report.residual = rest.found.residual;
@@ -100,15 +100,20 @@ fn rest(
     tolerance: f64,
     within: f64,
 ) -> Result<Rest, Diverged> {
+    // A flow has no inertia: no surface needs to come out of the cloth slowly.
+    for obstacle in &mut state.obstacles {
+        obstacle.overlap = Default::default();
+    }
     let moving = state.obstacles.clone();
     for obstacle in &mut state.obstacles {
         obstacle.velocity = Default::default();
+        obstacle.scripted = false;
     }
     let mut work = Work::default();
     let mut saddles = 0;
     loop {
         let flowed = flow::flow(model, solver, state, (tolerance, within), &mut work)?;
-        let softest = minimum::softest(model, solver, state);
+        let softest = minimum::softest(model, solver, state, &mut work);
         if let Some(rate) = softest.stable() {
             state.obstacles = moving;
             state.history.restart();

@@ -9,11 +9,13 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::folds::Folds;
+use super::held::{place, prescribed, rest_supports, work_of_supports};
 use super::impulse::{self, brake};
 use super::stable::{
     Limits, MARGIN, largest_frequency, layers, quickest, rotary_inertia, slope_stiffness,
 };
-use crate::contact::Nearby;
+use crate::contact::{Nearby, Obstacle};
 use crate::math::sparse::NO_SLOT;
 use crate::physics::contact::ContactLaw;
 use crate::physics::drag::Drag;
@@ -21,6 +23,7 @@ use crate::physics::{Load, Potential};
 use crate::sim::air::Breeze;
 use crate::sim::kernel::{Kernel, Lanes, add, dot, lanes, scale, vector};
 use crate::sim::model::Model;
+use crate::sim::report::Work;
 use crate::sim::state::State;
 use crate::sim::touch::Touch;
 
@@ -28,8 +31,10 @@ use crate::sim::touch::Touch;
 pub const SAFETY: f64 = 0.95;
 /// Slope inertia over the least that keeps the slopes' own frequency at that of the membrane.
 const INERTIA_MARGIN: f64 = 4.0;
+/// What is returned as haste where layers need substeps half as long.
+const TOO_LONG: f64 = 1.7;
 /// Largest slope inertia, over m h²: what it adds to a wave of length w is of relative size (h/w)² of this.
-const MOST_INERTIA: f64 = 1e-3;
+pub const MOST_INERTIA: f64 = 1e-3;
 
 /// The explicit integrator: constants and work space.
 pub struct Explicit {
@@ -47,6 +52,8 @@ pub struct Explicit {
     /// Positions \[m\], up to date at the vertices of `nearby`, shape \[vertices\].
     positions: Vec<Vector3<f64>>,
     touch: Touch,
+    folds: Folds,
+    haste: f64,
 }
 
 impl Explicit {
@@ -60,17 +67,6 @@ impl Explicit {
             let enough = INERTIA_MARGIN * k / stiffest.powi(2);
             enough.min(MOST_INERTIA * rotary_inertia(model, e))
         }));
-        let inverse = |(node, inertia): (usize, &f64)| {
-            let index = model.dofs.index[node];
-            let lane = |axis: usize| {
-                if index[axis] == NO_SLOT {
-                    0.0
-                } else {
-                    1.0 / inertia
-                }
-            };
-            [lane(0), lane(1), lane(2), 0.0]
-        };
         let mut drag = vec![0.0; nodes.len()];
         let mut weight = vec![[0.0; 4]; nodes.len()];
         for v in 0..vertices {
@@ -79,7 +75,7 @@ impl Explicit {
         }
         Self {
             kernel,
-            inverse_mass: inertia.iter().enumerate().map(inverse).collect(),
+            inverse_mass: inverse_masses(model, &inertia),
             drag,
             weight,
             limits: Limits::new(nodes, inertia),
@@ -87,6 +83,8 @@ impl Explicit {
             allowance: 0.0,
             positions: nodes[..vertices].to_vec(),
             touch: Touch::default(),
+            folds: Folds::default(),
+            haste: 0.0,
         }
     }
 
@@ -95,19 +93,42 @@ impl Explicit {
         self.limits.under(model, 1)
     }
 
-    /// The substep for a step of `span` from `state` \[s\]: the wanted one, or less where obstacles meet.
+    /// The substep for a step of `span` from `state` \[s\]: the wanted one, or less where obstacles or layers meet.
     pub fn substep(&mut self, model: &Model, state: &State, wanted: f64, span: f64) -> f64 {
-        match layers(model, state, span) {
+        let layers = layers(model, state, span);
+        let limit = self.limits.under(model, layers);
+        let wanted = match layers {
             1 => wanted,
-            layers => wanted.min(SAFETY * self.limits.under(model, layers)),
+            _ => wanted.min(SAFETY * limit),
+        };
+        match &model.layers {
+            None => wanted,
+            Some(law) => {
+                let sheet = (&state.positions[..], &self.inverse_mass[..]);
+                self.folds.substep(model, law, sheet, (wanted, limit))
+            }
         }
     }
 
-    /// Takes `count` substeps of `dt` and returns the contacts at the end.
-    pub fn advance(&mut self, model: &Model, state: &mut State, dt: f64, count: u64) -> Touch {
+    /// What contact of the sheet with itself took in the last run of substeps; `None` if they were too long for it, and
+    /// the state that they led to must not be kept.
+    pub fn layer_work(&self) -> Option<Work> {
+        (!self.folds.tripped()).then(|| self.folds.work())
+    }
+
+    /// Takes `count` substeps of `dt` and returns the contacts at the end, with the largest motion of the sheet against an
+    /// obstacle near it in one substep, over half the thickness of the cloth.
+    pub fn advance(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        dt: f64,
+        count: u64,
+    ) -> (Touch, f64) {
         let vertices = model.masses.len();
         // What was near before does not count: a step depends on the state alone, also after a command.
         self.allowance = f64::NEG_INFINITY;
+        self.haste = 0.0;
         let mut nodes: Vec<Lanes> = state
             .positions
             .iter()
@@ -125,17 +146,39 @@ impl Explicit {
         for (rate, a) in rates.iter_mut().zip(accelerations) {
             *rate = add(*rate, scale(a, 0.5 * dt));
         }
+        state.ledger.supports -= model.held_kinetic(state);
+        let moment = |substep: u64| match substep == count {
+            true => model.scene.method.dt,
+            false => substep as f64 * dt,
+        };
         let breeze = Breeze::of(model, state);
         let mut forces = vec![[0.0; 4]; nodes.len()];
         let mut before_last = vec![];
+        if model.layers.is_some() {
+            let limit = self.limits.under(model, 1);
+            self.folds.begin(model, (&nodes, &rates), dt, limit);
+        }
         for substep in 0..count {
+            let time = model.script_time(state, moment(substep + 1));
+            let held = prescribed(model, time, &nodes, &mut rates, dt);
             let fastest = drift(&mut nodes, &rates, dt, vertices);
+            place(&held, &mut nodes);
             forces.copy_from_slice(&self.weight);
             self.kernel.add_forces(&nodes, &mut forces);
             if model.contact.is_some() {
-                let motion = (fastest, dt);
+                let motion = (time, fastest, dt);
                 self.contact(model, state, &nodes, motion, &mut forces);
+                self.hurry(model, state, &rates, dt);
             }
+            if let Some(law) = &model.layers {
+                let step = (dt, &self.inverse_mass[..]);
+                let moving = (&nodes[..], &rates[..]);
+                self.folds.push(model, law, moving, step, &mut forces);
+                if self.folds.tripped() {
+                    return (Touch::default(), TOO_LONG);
+                }
+            }
+            state.ledger.supports += work_of_supports(model, &held, &forces, dt);
             if substep + 1 == count {
                 before_last.clone_from(&rates);
             }
@@ -155,6 +198,11 @@ impl Explicit {
                 state.ledger.damping += taken.contact;
                 state.ledger.supports += taken.work;
             }
+            if let Some(law) = &model.layers {
+                let rubbed = self.folds.rub(law, &self.inverse_mass, &mut rates, dt);
+                state.ledger.friction += rubbed.friction;
+                state.ledger.damping += rubbed.contact;
+            }
         }
         // The half-step velocities around the end give velocity and acceleration there; the next run of substeps
         // gets back the later one.
@@ -173,7 +221,10 @@ impl Explicit {
             }
         }
         state.history.dt = dt;
-        self.touch.clone()
+        model.hold(state, model.script_time(state, moment(count)));
+        rest_supports(model, state);
+        state.ledger.supports += model.held_kinetic(state);
+        (self.touch.clone(), self.haste)
     }
 
     /// Normal force and friction \[N\] of each contact in the last substep, by key: the state holds the half-step
@@ -242,12 +293,8 @@ impl Explicit {
         forces: &[Lanes],
         dt: f64,
     ) -> [f64; 2] {
-        let mut resistance = vec![Matrix3::zeros(); nodes.len()];
-        for s in 0..drag.count() {
-            let stencil = drag.nodes(s).map(|n| n as usize);
-            let of_face = drag.resistance(&stencil.map(|n| vector(&nodes[n])));
-            stencil.iter().for_each(|&n| resistance[n] += of_face);
-        }
+        let places: Vec<_> = nodes.iter().map(vector).collect();
+        let resistance = resistances(drag, &places);
         let (mut taken, mut put) = (0.0, 0.0);
         for (n, r) in resistance.iter().enumerate() {
             // Slopes have no resistance, so the air's velocity does not matter there.
@@ -259,31 +306,38 @@ impl Explicit {
             let change = inertia.try_inverse().unwrap_or_default() * pull * dt;
             let mean = v + change * 0.5;
             rates[n] = lanes(&(v + change));
+            // What air and damping do to a part that is held, its support bears.
+            if inverse.max() == 0.0 {
+                continue;
+            }
             put += (r * (u - mean)).dot(&mean) * dt;
-            if self.drag[n] > 0.0 && inverse.max() > 0.0 {
+            if self.drag[n] > 0.0 {
                 taken += self.drag[n] / inverse.max() * mean.norm_squared() * dt;
             }
         }
         [taken, put]
     }
 
-    /// Contact at the end of the drift.
+    /// Contact at the end of the drift, at a time since the start of the run.
     fn contact(
         &mut self,
         model: &Model,
         state: &mut State,
         nodes: &[Lanes],
-        (fastest, dt): (f64, f64),
+        (time, fastest, dt): (f64, f64, f64),
         forces: &mut [Lanes],
     ) {
         let Some(law) = &model.contact else { return };
         let start = state.obstacles.clone();
-        state.obstacles.iter_mut().for_each(|o| o.advance(dt));
-        let turns = start.iter().any(|body| body.velocity.angular.norm() > 0.0);
+        model.move_obstacles(&mut state.obstacles, time, dt);
+        let turning = |body: &Obstacle| body.scripted || body.velocity.angular.norm() > 0.0;
+        let turns = start.iter().any(turning);
         if turns {
             self.refresh_all(nodes);
         }
-        let speeds = start.iter().map(|body| quickest(body, &self.positions));
+        let speeds = start
+            .iter()
+            .map(|body| quickest(model, body, &self.positions));
         let quickest = speeds.fold(0.0, f64::max);
         self.allowance -= (fastest + quickest) * dt;
         if self.allowance < 0.0 {
@@ -307,10 +361,43 @@ impl Explicit {
         }
     }
 
+    /// Notes how fast what is near an obstacle moves against it.
+    fn hurry(&mut self, model: &Model, state: &State, rates: &[Lanes], dt: f64) {
+        let Some(law) = &model.contact else { return };
+        for (body, nearby) in state.obstacles.iter().zip(&self.nearby) {
+            let room = law.offset.max(law.limit());
+            for &v in nearby.vertices() {
+                let place = &self.positions[v as usize];
+                let motion = vector(&rates[v as usize]) - body.velocity_at(place);
+                self.haste = self.haste.max(motion.norm() * dt / room);
+            }
+        }
+    }
+
     fn refresh_all(&mut self, nodes: &[Lanes]) {
         let places = self.positions.iter_mut().zip(nodes);
         places.for_each(|(place, node)| *place = vector(node));
     }
+}
+
+/// 1/m and 1/J by component, zero where prescribed, shape \[nodes\].
+pub fn inverse_masses(model: &Model, inertia: &[f64]) -> Vec<Lanes> {
+    let inverse = |(index, inertia): (&[u32; 3], &f64)| {
+        let [x, y, z] = index.map(|slot| if slot == NO_SLOT { 0.0 } else { 1.0 / inertia });
+        [x, y, z, 0.0]
+    };
+    model.dofs.index.iter().zip(inertia).map(inverse).collect()
+}
+
+/// Sum of the resistances of the faces around each node \[N·s/m\].
+pub fn resistances(drag: &Drag, nodes: &[Vector3<f64>]) -> Vec<Matrix3<f64>> {
+    let mut sum = vec![Matrix3::zeros(); nodes.len()];
+    for s in 0..drag.count() {
+        let stencil = drag.nodes(s).map(|n| n as usize);
+        let of_face = drag.resistance(&stencil.map(|n| nodes[n]));
+        stencil.iter().for_each(|&n| sum[n] += of_face);
+    }
+    sum
 }
 
 /// Moves the nodes and returns the largest speed of a vertex \[m/s\].

@@ -8,12 +8,18 @@
 mod backward_euler;
 mod bdf2;
 pub mod explicit;
+mod folds;
 mod generalised_alpha;
 mod gradient_flow;
+mod held;
 mod impulse;
 mod stable;
+pub use stable::quickest;
 #[cfg(test)]
 mod test;
+pub mod xpbd;
+
+pub use stable::MARGIN;
 
 use nalgebra::Vector3;
 
@@ -116,7 +122,7 @@ fn affine(alpha: f64, x: &[Vector3<f64>], b: &[Vector3<f64>]) -> Vec<Vector3<f64
 
 /// From the start and a point inside the step to its end. Slopes may be carried too: they are a linear function
 /// of the positions.
-fn extrapolate(
+pub fn extrapolate(
     start: &[Vector3<f64>],
     inside: &[Vector3<f64>],
     fraction: f64,

@@ -10,6 +10,7 @@ fn at(x: f64, v: f64, a: f64, before: [f64; 2], dt: f64) -> State {
     let along = |c: f64| vec![Vector3::new(c, 0.0, 0.0)];
     State {
         step: 0,
+        began: 0,
         positions: along(x),
         velocities: along(v),
         slopes: vec![],
@@ -23,6 +24,7 @@ fn at(x: f64, v: f64, a: f64, before: [f64; 2], dt: f64) -> State {
             accelerations: along(a),
         },
         bonds: vec![],
+        layer_bonds: vec![],
         ledger: Ledger::default(),
     }
 }
@@ -129,4 +131,63 @@ fn bdf2_takes_a_variable_step() {
     let x = place(dt);
     assert!((map.alpha_v * x + map.b_v[0].x - speed(dt)).abs() < 1e-12);
     assert!((map.alpha_a * x + map.b_a[0].x + 8.0).abs() < 1e-9);
+}
+
+/// From rest at 1 on a unit spring over 7 s in steps whose lengths go round `ratios`, each over the one before.
+fn bdf2_error(ratios: &[f64], parts: u32) -> f64 {
+    let whole: f64 = {
+        let mut dt = 1.0;
+        (0..parts)
+            .map(|k| {
+                let now = dt;
+                dt *= ratios[k as usize % ratios.len()];
+                now
+            })
+            .sum()
+    };
+    let mut dt = 7.0 / whole;
+    let mut state = at(1.0, 0.0, -1.0, [0.0; 2], 0.0);
+    for k in 0..parts {
+        step(Rule::Bdf2, &mut state, 1.0, dt);
+        dt *= ratios[k as usize % ratios.len()];
+    }
+    let (sin, cos) = 7f64.sin_cos();
+    (state.positions[0].x - cos).hypot(state.velocities[0].x + sin)
+}
+
+/// Steps that go up and down by 1.5, and by 3 (beyond 1 + sqrt 2, but never twice in a row), keep order two; 1.5 costs
+/// less than twice the error of equal steps.
+#[test]
+fn bdf2_keeps_its_order_while_steps_change() {
+    for ratio in [1.5, 3.0] {
+        let around = [ratio, 1.0 / ratio];
+        let errors = [800, 1600].map(|parts| bdf2_error(&around, parts));
+        let order = (errors[0] / errors[1]).log2();
+        assert!((order - 2.0).abs() < 0.1, "ratio {ratio}: order {order}");
+        let more = errors[1] / bdf2_error(&[1.0], 1600);
+        assert!(
+            more < if ratio < 2.0 { 2.0 } else { 6.0 },
+            "ratio {ratio}: {more} times the error"
+        );
+    }
+}
+
+/// What a disturbance of a particle without forces grows by in 20 steps, each `ratio` times the one before.
+fn bdf2_growth(ratio: f64) -> f64 {
+    let (mut dt, mut before, mut now) = (1e-9, 0.0, 1.0);
+    for _ in 0..20 {
+        let state = at(now, 0.0, 0.0, [before, 0.0], dt / ratio);
+        let map = Rule::Bdf2.map(&state, dt);
+        // At a velocity of nothing.
+        (before, now) = (now, -map.b_v[0].x / map.alpha_v);
+        dt *= ratio;
+    }
+    now.abs()
+}
+
+/// Zero-stable up to a ratio of 1 + sqrt 2 from step to step, and not beyond: with 3, 9/7 a step.
+#[test]
+fn bdf2_fails_beyond_its_ratio() {
+    assert!(bdf2_growth(2.0) < 10.0, "{}", bdf2_growth(2.0));
+    assert!(bdf2_growth(3.0) > 100.0, "{}", bdf2_growth(3.0));
 }

@@ -1,0 +1,329 @@
+//! The cheapest method, step and mesh that keep what a scene observes within a tolerance, found by trying them.
+//!
+//! The mesh comes first, with the explicit scheme at its limit, whose error in time is far below any tolerance here:
+//! triangles are doubled until what they change is small enough. That run then is the truth in time of its mesh, and
+//! every implicit method is tried against it, from long steps to short, while it is cheaper than the best so far.
+
+use super::course::CpuClock;
+use crate::scene::{Method, Scene, Scheme, Solver};
+use crate::sim::{Simulation, Work};
+
+/// Moments of a run at which its readings are compared.
+const MOMENTS: u32 = 20;
+/// Halvings of the longest step, a moment's distance, that are tried.
+const HALVINGS: u32 = 9;
+/// Fewest triangles.
+const FEWEST: usize = 50;
+/// Share of the tolerance that the mesh may take.
+const SPACE: f64 = 0.5;
+
+/// A tolerance on what a scene observes, over the largest reading \[-\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance(pub f64);
+
+impl std::str::FromStr for Tolerance {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (number, unit) = match text.strip_suffix('%') {
+            Some(percent) => (percent.trim(), 1e-2),
+            None => (text, 1.0),
+        };
+        let value = number.parse::<f64>().map(|n| n * unit).ok();
+        let value = value.filter(|v| (1e-5..=0.5).contains(v));
+        value
+            .map(Self)
+            .ok_or_else(|| "must be a share such as 1% or 0.01, from 0.001% to 50%".to_string())
+    }
+}
+
+impl std::fmt::Display for Tolerance {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} %", (1e6 * self.0).round() / 1e4)
+    }
+}
+
+/// Why there is no plan.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PlanError {
+    /// Nothing to hold to the tolerance.
+    #[error("scene `{0}` observes nothing; give it an [observe.NAME]")]
+    NothingObserved(String),
+    /// It has no time.
+    #[error(
+        "scene `{0}` looks for an equilibrium, which has no step to plan; plan its transient with --set method.scheme=bdf2"
+    )]
+    NoTime(String),
+    /// The mesh would have to be finer than is tried.
+    #[error(
+        "no mesh up to {triangles} triangles is within {tolerance} by its own estimate; the best is {estimate:.2e}"
+    )]
+    TooFine {
+        /// Most triangles tried.
+        triangles: usize,
+        /// Asked for.
+        tolerance: Tolerance,
+        /// Estimated error of the finest mesh \[-\].
+        estimate: f64,
+    },
+    /// A run that must not fail did.
+    #[error("{0}")]
+    Died(String),
+}
+
+/// What was tried: a method on a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tried {
+    /// Scheme and solver.
+    pub method: Method,
+    /// Step; of the explicit scheme its substep \[s\].
+    pub dt: f64,
+    /// Triangles asked for.
+    pub triangles: usize,
+    /// CPU time of the whole run \[s\].
+    pub cpu: f64,
+    /// Its work.
+    pub work: Work,
+    /// Estimated error by the mesh or by the step, over the largest reading \[-\]; none if it died or was stopped, since
+    /// it cost more than the best.
+    pub error: Option<f64>,
+}
+
+/// The choice, and what led to it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// The scene with mesh, method and step chosen.
+    pub scene: Scene,
+    /// The choice.
+    pub chosen: Tried,
+    /// Estimated errors by the mesh and by the step \[-\].
+    pub errors: [f64; 2],
+    /// Meshes, from coarse to fine.
+    pub meshes: Vec<Tried>,
+    /// Methods on the mesh that was chosen: of each the longest step that holds, or its last try.
+    pub methods: Vec<Tried>,
+}
+
+/// The readings of a run at its moments.
+struct Seen {
+    readings: Vec<Vec<f64>>,
+    cpu: f64,
+    work: Work,
+    substep: Option<f64>,
+}
+
+/// What ends a run early.
+enum Ended {
+    Died(String),
+    TooDear(f64),
+}
+
+/// Finds the cheapest way; `tell` hears what is being tried.
+pub fn plan(
+    scene: &Scene,
+    tolerance: Tolerance,
+    cpu: &mut CpuClock,
+    tell: &mut dyn FnMut(&str),
+) -> Result<Plan, PlanError> {
+    if scene.observe.is_empty() {
+        return Err(PlanError::NothingObserved(scene.name.clone()));
+    }
+    if scene.method.scheme == Scheme::Equilibrium {
+        return Err(PlanError::NoTime(scene.name.clone()));
+    }
+    let (meshes, truth, space) = meshes(scene, tolerance, cpu, tell)?;
+    let explicit = meshes[meshes.len() - 1].clone();
+    let mut best = Tried {
+        error: Some(0.0),
+        ..explicit.clone()
+    };
+    let mut methods = vec![best.clone()];
+    for method in candidates() {
+        let mut last = None;
+        for halving in 0..=HALVINGS {
+            let dt = moment(scene) / f64::from(1u32 << halving);
+            tell(&format!(
+                "{}, {} triangles, {:.3} ms",
+                method.name(),
+                explicit.triangles,
+                1e3 * dt
+            ));
+            let tried = at(scene, method, dt, explicit.triangles);
+            let (seen, spent) = match run(&tried, best.cpu, cpu) {
+                Ok(seen) => (Some(seen), 0.0),
+                Err(Ended::TooDear(spent)) => (None, spent),
+                Err(Ended::Died(_)) => continue,
+            };
+            let now = Tried {
+                method,
+                dt,
+                triangles: explicit.triangles,
+                cpu: seen.as_ref().map_or(spent, |s| s.cpu),
+                work: seen.as_ref().map_or(Work::default(), |s| s.work),
+                error: seen.as_ref().map(|s| apart(&s.readings, &truth)),
+            };
+            last = Some(now.clone());
+            match now.error {
+                Some(error) if error + space <= tolerance.0 => {
+                    best = now;
+                    break;
+                }
+                Some(_) => {}
+                None => break,
+            }
+        }
+        methods.extend(last);
+    }
+    let errors = [space, best.error.unwrap_or(0.0)];
+    let scene = match best.method.scheme {
+        Scheme::CentralDifference => at(scene, best.method, moment(scene), best.triangles),
+        _ => at(scene, best.method, best.dt, best.triangles),
+    };
+    Ok(Plan {
+        scene,
+        chosen: best,
+        errors,
+        meshes,
+        methods,
+    })
+}
+
+/// The implicit methods; the explicit one is tried with the meshes.
+fn candidates() -> impl Iterator<Item = Method> {
+    let all = Method::IN_TIME.into_iter();
+    all.filter(|m| m.scheme != Scheme::CentralDifference && m.solver != Solver::Xpbd)
+}
+
+type Meshes = (Vec<Tried>, Vec<Vec<f64>>, f64);
+
+/// Doubles triangles until their error is small enough; what was tried, the readings on the last, its error. At second
+/// order half the triangles are twice as far off, so what doubling changes is the error of the finer; half of what the
+/// doubling before changed bounds it where two meshes happen to agree.
+fn meshes(
+    scene: &Scene,
+    tolerance: Tolerance,
+    cpu: &mut CpuClock,
+    tell: &mut dyn FnMut(&str),
+) -> Result<Meshes, PlanError> {
+    let most = 2 * triangles(scene).max(4 * FEWEST);
+    let explicit = Method::from(Scheme::CentralDifference);
+    let mut tried: Vec<Tried> = vec![];
+    let (mut before, mut change): (Option<Vec<Vec<f64>>>, f64) = (None, f64::INFINITY);
+    let mut count = (most / 64).max(FEWEST);
+    loop {
+        tell(&format!("mesh of {count} triangles"));
+        let seen = run(
+            &at(scene, explicit, moment(scene), count),
+            f64::INFINITY,
+            cpu,
+        );
+        let seen = seen.map_err(|ended| match ended {
+            Ended::Died(message) => PlanError::Died(message),
+            Ended::TooDear(_) => PlanError::Died("a run without a limit was stopped".to_string()),
+        })?;
+        let changed = before.as_ref().map(|b| apart(b, &seen.readings));
+        let error = changed.map(|changed| changed.max(0.5 * change));
+        tried.push(Tried {
+            method: explicit,
+            dt: seen.substep.unwrap_or_default(),
+            triangles: count,
+            cpu: seen.cpu,
+            work: seen.work,
+            error: error.filter(|e| e.is_finite()),
+        });
+        if let Some(error) = error.filter(|e| *e <= SPACE * tolerance.0) {
+            return Ok((tried, seen.readings, error));
+        }
+        if 2 * count > most {
+            let estimate = error.unwrap_or(f64::INFINITY);
+            return Err(PlanError::TooFine {
+                triangles: count,
+                tolerance,
+                estimate,
+            });
+        }
+        change = changed.unwrap_or(f64::INFINITY);
+        before = Some(seen.readings);
+        count *= 2;
+    }
+}
+
+/// Triangles that a scene asks for.
+fn triangles(scene: &Scene) -> usize {
+    let equilateral = 3f64.sqrt() / 4.0 * scene.sheet.edge_length().powi(2);
+    let by_edge = (scene.sheet.outline.area() / equilateral).round() as usize;
+    scene.sheet.triangles.unwrap_or(by_edge)
+}
+
+/// From one moment of comparison to the next \[s\].
+fn moment(scene: &Scene) -> f64 {
+    scene.duration / f64::from(MOMENTS)
+}
+
+/// A scene with another method, step and mesh, its outputs on its steps.
+fn at(scene: &Scene, method: Method, dt: f64, triangles: usize) -> Scene {
+    let mut scene = scene.clone();
+    scene.method = scene.method.with(method);
+    scene.method.dt = dt;
+    scene.method.substep = None;
+    scene.sheet.triangles = Some(triangles);
+    scene.sheet.edge = None;
+    scene.output.rate = scene.output.rate.min(1.0 / dt);
+    scene
+}
+
+/// Runs a scene to its end, unless it dies or costs more than `most` \[s\].
+fn run(scene: &Scene, most: f64, cpu: &mut CpuClock) -> Result<Seen, Ended> {
+    let died = |message: String| Ended::Died(message);
+    let mut simulation = Simulation::new(scene, 1).map_err(|refused| died(refused.to_string()))?;
+    let between = (moment(scene) / scene.method.dt).round() as u64;
+    let start = cpu();
+    let mut seen = Seen {
+        readings: vec![],
+        cpu: 0.0,
+        work: Work::default(),
+        substep: simulation.substep(),
+    };
+    for step in 1..=u64::from(MOMENTS) * between {
+        let report = simulation
+            .step()
+            .map_err(|diverged| died(diverged.to_string()))?;
+        seen.work += report.work;
+        if step % between == 0 {
+            seen.readings.push(report.readings.clone());
+        }
+        seen.cpu = cpu() - start;
+        if seen.cpu > most {
+            return Err(Ended::TooDear(seen.cpu));
+        }
+    }
+    Ok(seen)
+}
+
+/// Largest difference at any moment over the largest reading.
+fn apart(ours: &[Vec<f64>], truth: &[Vec<f64>]) -> f64 {
+    let largest = truth.iter().flatten().map(|v| v.abs()).fold(0.0, f64::max);
+    let pairs = ours.iter().flatten().zip(truth.iter().flatten());
+    let worst = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    worst / largest.max(f64::MIN_POSITIVE)
+}
+
+/// Error of a planned scene by a second look: half the step on twice the triangles. What that changes is at least half
+/// of the error at first order in time, all of it at second order in space.
+pub fn check(plan: &Plan, cpu: &mut CpuClock) -> Result<f64, PlanError> {
+    let (chosen, scene) = (&plan.chosen, &plan.scene);
+    let finer = at(
+        scene,
+        chosen.method,
+        0.5 * scene.method.dt,
+        2 * chosen.triangles,
+    );
+    let look = |scene: &Scene, cpu: &mut CpuClock| {
+        run(scene, f64::INFINITY, cpu).map_err(|ended| match ended {
+            Ended::Died(message) => PlanError::Died(message),
+            Ended::TooDear(_) => PlanError::Died("a run without a limit was stopped".to_string()),
+        })
+    };
+    let (ours, theirs) = (look(scene, cpu)?, look(&finer, cpu)?);
+    Ok(apart(&ours.readings, &theirs.readings))
+}

@@ -1,0 +1,373 @@
+//! The tiles over the sheet as it lies, or as it moves from one place to another: boxes and deformation gradients.
+
+use nalgebra::Vector3;
+
+use super::closest::between;
+use super::tiles::{Level, Tiles};
+use crate::sheet::Mesh;
+
+type Point = Vector3<f64>;
+
+/// An axis-aligned box of the world.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bounds {
+    low: Point,
+    high: Point,
+}
+
+impl Bounds {
+    const EMPTY: Self = Self {
+        low: Vector3::new(f64::INFINITY, f64::INFINITY, f64::INFINITY),
+        high: Vector3::new(f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY),
+    };
+
+    fn add(&mut self, p: &Point) {
+        for k in 0..3 {
+            self.low[k] = min(self.low[k], p[k]);
+            self.high[k] = max(self.high[k], p[k]);
+        }
+    }
+
+    fn join(&mut self, other: &Self) {
+        for k in 0..3 {
+            self.low[k] = min(self.low[k], other.low[k]);
+            self.high[k] = max(self.high[k], other.high[k]);
+        }
+    }
+
+    /// Whether some axis alone keeps them `reach` apart; the empty box is apart from all.
+    fn apart(&self, other: &Self, reach: f64) -> bool {
+        (0..3).any(|k| self.low[k] - other.high[k] >= reach || other.low[k] - self.high[k] >= reach)
+    }
+}
+
+// `f64::min` cares for NaN, which costs time; what is not finite is found elsewhere.
+fn min(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+fn max(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// Deformation gradients that lie within a radius of a mean.
+#[derive(Clone, Copy, Debug)]
+struct Spread {
+    mean: [Point; 2],
+    radius: f64,
+}
+
+impl Spread {
+    fn away(&self, mean: &[Point; 2]) -> f64 {
+        let [a, b] = [self.mean[0] - mean[0], self.mean[1] - mean[1]];
+        self.radius + (a.norm_squared() + b.norm_squared()).sqrt()
+    }
+
+    fn join(parts: &[Self]) -> Self {
+        let count = parts.len() as f64;
+        let mean = [0, 1].map(|k| parts.iter().map(|p| p.mean[k]).sum::<Point>() / count);
+        let radius = parts.iter().map(|p| p.away(&mean)).fold(0.0, f64::max);
+        Self { mean, radius }
+    }
+
+    /// Least stretch over the straight lines of the patch.
+    fn least(&self) -> f64 {
+        let [u, v] = &self.mean;
+        let (a, b, c) = (u.norm_squared(), u.dot(v), v.norm_squared());
+        let least = 0.5 * (a + c - ((a - c).powi(2) + 4.0 * b * b).sqrt());
+        least.max(0.0).sqrt() - self.radius
+    }
+}
+
+/// Boxes and spreads of all tiles for given positions.
+#[derive(Clone, Debug, Default)]
+pub struct Fit {
+    faces: Vec<Bounds>,
+    bounds: Vec<Vec<Bounds>>,
+    spreads: Vec<Vec<Option<Spread>>>,
+    gradients: Vec<[Point; 2]>,
+}
+
+impl Fit {
+    /// Lays the tiles over the sheet while it moves straight through the given positions, one or two lists.
+    pub fn over(&mut self, tiles: &Tiles, mesh: &Mesh, moments: &[&[Point]]) {
+        self.faces.clear();
+        self.gradients.clear();
+        for (face, shape) in mesh.faces.iter().zip(&tiles.shape) {
+            let mut bounds = Bounds::EMPTY;
+            for positions in moments {
+                let [a, b, c] = face.map(|v| positions[v as usize]);
+                [a, b, c].iter().for_each(|p| bounds.add(p));
+                let (u, v) = (b - a, c - a);
+                self.gradients
+                    .push([0, 1].map(|k| u * shape[1][k] + v * shape[2][k]));
+            }
+            self.faces.push(bounds);
+        }
+        self.bounds.resize(tiles.levels.len(), vec![]);
+        self.spreads.resize(tiles.levels.len(), vec![]);
+        self.finest(tiles, moments.len());
+        for level in 1..tiles.levels.len() {
+            self.coarser(tiles, level);
+        }
+    }
+
+    fn finest(&mut self, tiles: &Tiles, moments: usize) {
+        let (bounds, spreads) = (&mut self.bounds[0], &mut self.spreads[0]);
+        bounds.clear();
+        spreads.clear();
+        for (t, covering) in tiles.covering.iter().enumerate() {
+            let mut of_tile = Bounds::EMPTY;
+            for &f in &tiles.owned[t] {
+                of_tile.join(&self.faces[f as usize]);
+            }
+            bounds.push(of_tile);
+            let gradients = || {
+                covering.iter().flat_map(|&f| {
+                    let first = f as usize * moments;
+                    &self.gradients[first..first + moments]
+                })
+            };
+            let count = (covering.len() * moments) as f64;
+            let sum = gradients().fold([Point::zeros(); 2], |s, g| [s[0] + g[0], s[1] + g[1]]);
+            let mean = sum.map(|s| s / count.max(1.0));
+            let square =
+                |g: &[Point; 2]| (g[0] - mean[0]).norm_squared() + (g[1] - mean[1]).norm_squared();
+            let radius = gradients().map(square).fold(0.0, max).sqrt();
+            spreads.push(tiles.convex[t].then_some(Spread { mean, radius }));
+        }
+        // What covers nothing must not count in a mean.
+        for (spread, covering) in spreads.iter_mut().zip(&tiles.covering) {
+            if let (Some(spread), true) = (spread.as_mut(), covering.is_empty()) {
+                spread.radius = f64::NEG_INFINITY;
+            }
+        }
+    }
+
+    fn coarser(&mut self, tiles: &Tiles, level: usize) {
+        let (fine, coarse) = (tiles.levels[level - 1], tiles.levels[level]);
+        let (below, above) = self.bounds.split_at_mut(level);
+        let (spreads_below, spreads_above) = self.spreads.split_at_mut(level);
+        above[0].clear();
+        spreads_above[0].clear();
+        for t in 0..coarse.len() {
+            let tile = [t % coarse.columns, t / coarse.columns];
+            let mut bounds = Bounds::EMPTY;
+            let mut parts = vec![];
+            let mut convex = true;
+            for child in children(fine, tile) {
+                let child = fine.index(child);
+                bounds.join(&below[level - 1][child]);
+                match spreads_below[level - 1][child] {
+                    Some(spread) if spread.radius >= 0.0 => parts.push(spread),
+                    Some(_) => {}
+                    None => convex = false,
+                }
+            }
+            above[0].push(bounds);
+            let nothing = Spread {
+                mean: [Point::zeros(); 2],
+                radius: f64::NEG_INFINITY,
+            };
+            let joined = if parts.is_empty() {
+                nothing
+            } else {
+                Spread::join(&parts)
+            };
+            spreads_above[0].push(convex.then_some(joined));
+        }
+    }
+
+    /// Calls `leaf` with every pair of faces that may come within `reach` of each other, unless they are nearer than
+    /// the span in the flat sheet. The first face is in the tile of smaller number; order is fixed.
+    pub fn near_faces(&self, tiles: &Tiles, reach: f64, mut leaf: impl FnMut(u32, u32)) {
+        let top = tiles.levels.len() - 1;
+        self.visit(tiles, (top, reach, true), [[0, 0]; 2], &mut leaf);
+    }
+
+    fn visit(
+        &self,
+        tiles: &Tiles,
+        (level, reach, certify): (usize, f64, bool),
+        [a, b]: [[usize; 2]; 2],
+        leaf: &mut impl FnMut(u32, u32),
+    ) {
+        let grid = tiles.levels[level];
+        let (first, second) = (grid.index(a), grid.index(b));
+        let bounds = &self.bounds[level];
+        if bounds[first].apart(&bounds[second], reach) {
+            return;
+        }
+        let beside = a[0].abs_diff(b[0]) <= 1 && a[1].abs_diff(b[1]) <= 1;
+        if certify && beside && self.least(level, grid, [a, b]) * tiles.span() >= reach {
+            return;
+        }
+        if level == 0 {
+            self.leaf(tiles, [first, second], reach, leaf);
+            return;
+        }
+        let fine = tiles.levels[level - 1];
+        for child in children(fine, a) {
+            for other in children(fine, b) {
+                if a != b || fine.index(child) <= fine.index(other) {
+                    let below = (level - 1, reach, certify);
+                    self.visit(tiles, below, [child, other], leaf);
+                }
+            }
+        }
+    }
+
+    /// Least stretch over the rectangle that holds two tiles that touch; negative if nothing is known.
+    fn least(&self, level: usize, grid: Level, [a, b]: [[usize; 2]; 2]) -> f64 {
+        let mut parts = [Spread {
+            mean: [Point::zeros(); 2],
+            radius: 0.0,
+        }; 4];
+        let mut count = 0;
+        for j in a[1].min(b[1])..=a[1].max(b[1]) {
+            for i in a[0].min(b[0])..=a[0].max(b[0]) {
+                match self.spreads[level][grid.index([i, j])] {
+                    None => return -1.0,
+                    Some(spread) if spread.radius >= 0.0 => {
+                        parts[count] = spread;
+                        count += 1;
+                    }
+                    Some(_) => {}
+                }
+            }
+        }
+        if count == 0 {
+            -1.0
+        } else {
+            Spread::join(&parts[..count]).least()
+        }
+    }
+
+    fn leaf(
+        &self,
+        tiles: &Tiles,
+        [first, second]: [usize; 2],
+        reach: f64,
+        leaf: &mut impl FnMut(u32, u32),
+    ) {
+        for (n, &f) in tiles.owned[first].iter().enumerate() {
+            let bounds = &self.faces[f as usize];
+            let others = match first == second {
+                true => &tiles.owned[second][n + 1..],
+                false => &tiles.owned[second][..],
+            };
+            for &g in others {
+                if !bounds.apart(&self.faces[g as usize], reach) {
+                    leaf(f, g);
+                }
+            }
+        }
+    }
+
+    /// Pairs of a vertex and a face, and of two edges, closer than `reach`, with their distances; no certificate.
+    pub(super) fn flat_pairs(
+        &self,
+        tiles: &Tiles,
+        mesh: &Mesh,
+        positions: &[Point],
+        reach: f64,
+    ) -> [Vec<([u32; 2], f64)>; 2] {
+        let mut found = [vec![], vec![]];
+        let top = tiles.levels.len() - 1;
+        let mut leaf = |f: u32, g: u32| {
+            features(tiles, mesh, [f, g], |edges, pair| {
+                if let Some(distance) = closer(mesh, positions, (edges, pair), reach) {
+                    found[usize::from(edges)].push((pair, distance));
+                }
+            });
+        };
+        self.visit(tiles, (top, reach, false), [[0, 0]; 2], &mut leaf);
+        for list in &mut found {
+            list.sort_unstable_by_key(|(pair, _)| *pair);
+        }
+        found
+    }
+}
+
+fn children(fine: Level, [i, j]: [usize; 2]) -> impl Iterator<Item = [usize; 2]> {
+    let columns = 2 * i..(2 * i + 2).min(fine.columns);
+    let rows = 2 * j..(2 * j + 2).min(fine.rows);
+    rows.flat_map(move |j| columns.clone().map(move |i| [i, j]))
+}
+
+/// Calls `each` with the pairs of features that two faces answer for and that share no vertex: a vertex and a face
+/// (false), or two edges (true), the smaller first.
+#[inline]
+pub(super) fn features(
+    tiles: &Tiles,
+    mesh: &Mesh,
+    pair: [u32; 2],
+    mut each: impl FnMut(bool, [u32; 2]),
+) {
+    for [f, g] in [pair, [pair[1], pair[0]]] {
+        let corners = mesh.faces[g as usize];
+        for v in mesh.faces[f as usize] {
+            if tiles.vertex_keeper[v as usize] == f && !corners.contains(&v) {
+                each(false, [v, g]);
+            }
+        }
+    }
+    let [f, g] = pair;
+    for a in mesh.face_edges[f as usize] {
+        if tiles.edge_keeper[a as usize] != f {
+            continue;
+        }
+        let [p, q] = mesh.edges[a as usize];
+        for b in mesh.face_edges[g as usize] {
+            let ends = mesh.edges[b as usize];
+            if tiles.edge_keeper[b as usize] == g && !ends.contains(&p) && !ends.contains(&q) {
+                each(true, [a.min(b), a.max(b)]);
+            }
+        }
+    }
+}
+
+/// The four nodes of a pair of features.
+#[inline]
+pub(super) fn nodes(mesh: &Mesh, edges: bool, [first, second]: [u32; 2]) -> [u32; 4] {
+    if edges {
+        let ([a, b], [c, d]) = (mesh.edges[first as usize], mesh.edges[second as usize]);
+        [a, b, c, d]
+    } else {
+        let [a, b, c] = mesh.faces[second as usize];
+        [first, a, b, c]
+    }
+}
+
+/// Distance of a pair of features \[m\] if it is below `reach`.
+#[inline]
+pub(super) fn closer(
+    mesh: &Mesh,
+    positions: &[Point],
+    (edges, pair): (bool, [u32; 2]),
+    reach: f64,
+) -> Option<f64> {
+    let x = nodes(mesh, edges, pair).map(|v| positions[v as usize]);
+    // Most pairs are apart along an axis, which is cheap to see.
+    for k in 0..3 {
+        let [a, b, c, d] = [x[0][k], x[1][k], x[2][k], x[3][k]];
+        let (first, second) = match edges {
+            true => ([min(a, b), max(a, b)], [min(c, d), max(c, d)]),
+            false => ([a, a], [min(b, min(c, d)), max(b, max(c, d))]),
+        };
+        if first[0] - second[1] >= reach || second[0] - first[1] >= reach {
+            return None;
+        }
+    }
+    let distance = between(edges, &x);
+    (distance < reach).then_some(distance)
+}
+
+/// Distance of a pair of features \[m\].
+#[cfg(test)]
+pub(super) fn distance(mesh: &Mesh, positions: &[Point], edges: bool, pair: [u32; 2]) -> f64 {
+    between(
+        edges,
+        &nodes(mesh, edges, pair).map(|v| positions[v as usize]),
+    )
+}

@@ -1,0 +1,22 @@
+//! Where the sheet comes near to itself: pairs of a vertex and a face, of two edges.
+//!
+//! [`Tiles`] finds what may be near and skips what provably is not; [`Candidates`] keeps it while little moves;
+//! [`Pair`]s are what is nearer than a reach; [`safe_share`] says how far a motion may go before two parts meet;
+//! [`crossings`] tells exactly whether they have.
+
+mod candidates;
+mod closest;
+mod crossing;
+mod detect;
+mod fit;
+mod sweep;
+#[cfg(test)]
+mod test;
+mod tiles;
+
+pub use candidates::Candidates;
+pub use closest::{Pair, point_to_face, segment_to_segment};
+pub use crossing::{crosses, crossings};
+pub use detect::is_pair_of;
+pub use sweep::{Sweep, safe_share};
+pub use tiles::Tiles;

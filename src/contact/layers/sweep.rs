@@ -1,0 +1,98 @@
+//! How far a straight motion may go before two parts of the sheet meet: additive conservative advancement (Li, Kaufman,
+//! Jiang, Codimensional Incremental Potential Contact, 2021).
+
+use nalgebra::Vector3;
+
+use super::Tiles;
+use super::closest::between;
+use super::fit::{Fit, features, nodes};
+use crate::sheet::Mesh;
+
+type Point = Vector3<f64>;
+
+/// Share of their distance that two features keep.
+const KEPT: f64 = 0.1;
+/// Distance below which features count as crossed already \[m\]: no motion can be judged by it.
+const CROSSED: f64 = 1e-10;
+const MOST_ADVANCES: usize = 1000;
+
+/// Work space of [`safe_share`].
+#[derive(Clone, Debug, Default)]
+pub struct Sweep {
+    fit: Fit,
+}
+
+/// The share of the motion `from` - `to` that brings no two features nearer than a tenth of their distance; 1 is all of it.
+pub fn safe_share(
+    sweep: &mut Sweep,
+    (tiles, mesh): (&Tiles, &Mesh),
+    from: &[Point],
+    to: &[Point],
+) -> f64 {
+    sweep.fit.over(tiles, mesh, &[from, to]);
+    let mut share: f64 = 1.0;
+    let mut look = |edges: bool, pair: [u32; 2]| {
+        if tiles.excludes(edges, pair) {
+            return;
+        }
+        let stencil = nodes(mesh, edges, pair);
+        let x = stencil.map(|v| from[v as usize]);
+        let motion = stencil.map(|v| to[v as usize] - from[v as usize]);
+        share = share.min(advance(edges, x, motion, share));
+    };
+    // What is certified has a distance at all times, however small.
+    let reach = f64::MIN_POSITIVE;
+    sweep.fit.near_faces(tiles, reach, |f, g| {
+        features(tiles, mesh, [f, g], &mut look)
+    });
+    for (kind, list) in tiles.near.iter().enumerate() {
+        list.iter().for_each(|&pair| look(kind == 1, pair));
+    }
+    share
+}
+
+/// The safe share of the motion of one pair, `most` if it is at least that.
+pub(super) fn advance(edges: bool, mut x: [Point; 4], mut motion: [Point; 4], most: f64) -> f64 {
+    // Apart along an axis throughout? That settles most pairs.
+    let split = if edges { 2 } else { 1 };
+    if separate(&x, &motion, split, most) {
+        return most;
+    }
+    let mean = (motion[0] + motion[1] + motion[2] + motion[3]) * 0.25;
+    motion.iter_mut().for_each(|m| *m -= mean);
+    let longest = |part: &[Point]| part.iter().map(Point::norm).fold(0.0, f64::max);
+    let speed = longest(&motion[..split]) + longest(&motion[split..]);
+    let start = between(edges, &x);
+    if start < CROSSED || start * (1.0 - KEPT) >= speed * most {
+        return most;
+    }
+    let (mut distance, mut share) = (start, 0.0);
+    for _ in 0..MOST_ADVANCES {
+        let ahead = (1.0 - KEPT) * distance / speed;
+        if share + ahead >= most {
+            return most;
+        }
+        for (x, m) in x.iter_mut().zip(&motion) {
+            *x += m * ahead;
+        }
+        distance = between(edges, &x);
+        if share > 0.0 && distance < KEPT * start {
+            return share;
+        }
+        share += ahead;
+    }
+    share
+}
+
+fn separate(x: &[Point; 4], motion: &[Point; 4], split: usize, most: f64) -> bool {
+    (0..3).any(|k| {
+        let range = |part: std::ops::Range<usize>| {
+            part.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), n| {
+                let (a, b) = (x[n][k], x[n][k] + motion[n][k] * most);
+                (low.min(a.min(b)), high.max(a.max(b)))
+            })
+        };
+        let (a, b) = (range(0..split), range(split..4));
+        a.0 > b.1 || b.0 > a.1
+    })
+}

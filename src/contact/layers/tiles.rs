@@ -1,0 +1,211 @@
+//! Tiles of the flat sheet, in a hierarchy, and the certificate that a part of it does not touch itself.
+//!
+//! Let F be the deformation gradient. On a convex patch where every face has `|F - M| <= r` for one matrix M, two points
+//! P, Q of the sheet are at least `(sigma_min(M) - r) |P - Q|` apart, since the straight line between them stays in
+//! the patch. So what is farther apart than `span` in the flat sheet stays out of a reach of
+//! `(sigma_min(M) - r) span`. It takes the place of the normal cone with its contour (Volino, Magnenat-Thalmann
+//! 1994), which tells crossing from not crossing, but knows no distance.
+
+use nalgebra::{Vector2, Vector3};
+
+use super::fit::Fit;
+use crate::sheet::Mesh;
+
+/// Side of a finest tile over the mean length of an edge.
+const SIDE: f64 = 1.7;
+/// Least span over the thickness, and over the mean length of an edge.
+const LEAST_SPAN: f64 = 2.5;
+const SPAN: f64 = 0.8;
+
+/// A rectangle of tiles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Level {
+    pub columns: usize,
+    pub rows: usize,
+}
+
+impl Level {
+    pub(super) fn index(self, [i, j]: [usize; 2]) -> usize {
+        j * self.columns + i
+    }
+
+    pub(super) fn len(self) -> usize {
+        self.columns * self.rows
+    }
+}
+
+/// The flat sheet cut into tiles, and what of it is near in the flat state already.
+#[derive(Clone, Debug)]
+pub struct Tiles {
+    /// Finest first; the last is one tile.
+    pub(super) levels: Vec<Level>,
+    /// Faces by finest tile, each once.
+    pub(super) owned: Vec<Vec<u32>>,
+    /// Faces that cover the convex hull of what a finest tile owns: those near enough to it.
+    pub(super) covering: Vec<Vec<u32>>,
+    /// Whether all of a finest tile is cloth or lies outside a convex outline.
+    pub(super) convex: Vec<bool>,
+    pub(super) shape: Vec<[Vector2<f64>; 3]>,
+    /// The face that answers for each vertex and edge.
+    pub(super) vertex_keeper: Vec<u32>,
+    pub(super) edge_keeper: Vec<u32>,
+    /// Faces around each vertex; zero on the boundary.
+    stars: Vec<u8>,
+    /// Pairs of a vertex and a face, and of two edges, closer than `span` in the flat sheet but for the excluded.
+    pub(super) near: [Vec<[u32; 2]>; 2],
+    /// Pairs closer than an arc of half the thickness in radius is long: cloth does not fold so tightly.
+    excluded: [Vec<[u32; 2]>; 2],
+    span: f64,
+    thickness: f64,
+}
+
+impl Tiles {
+    /// Cuts up a mesh of cloth of a thickness \[m\].
+    pub fn new(mesh: &Mesh, thickness: f64) -> Self {
+        let lengths = (0..mesh.edges.len()).map(|e| mesh.edge_length(e));
+        let mean = lengths.sum::<f64>() / mesh.edges.len() as f64;
+        let span = (SPAN * mean).max(LEAST_SPAN * thickness);
+        let mut tiles = Self::cut(mesh, SIDE * mean);
+        tiles.span = span;
+        tiles.thickness = thickness;
+        let flat: Vec<Vector3<f64>> = mesh.material.iter().map(|p| p.push(0.0)).collect();
+        let mut fit = Fit::default();
+        fit.over(&tiles, mesh, &[&flat]);
+        let found = fit.flat_pairs(&tiles, mesh, &flat, span);
+        let least = std::f64::consts::FRAC_PI_2 * thickness;
+        for (kind, found) in found.into_iter().enumerate() {
+            let (excluded, near): (Vec<_>, Vec<_>) = found
+                .into_iter()
+                .partition(|(_, distance)| *distance < least);
+            tiles.near[kind] = near.into_iter().map(|(pair, _)| pair).collect();
+            tiles.excluded[kind] = excluded.into_iter().map(|(pair, _)| pair).collect();
+        }
+        tiles
+    }
+
+    fn cut(mesh: &Mesh, side: f64) -> Self {
+        let all = mesh.material.iter();
+        let low = all
+            .clone()
+            .fold(Vector2::repeat(f64::INFINITY), |m, p| m.inf(p));
+        let high = all.fold(Vector2::repeat(f64::NEG_INFINITY), |m, p| m.sup(p));
+        let cells = |length: f64| ((length / side).ceil() as usize).max(1);
+        let finest = Level {
+            columns: cells(high.x - low.x),
+            rows: cells(high.y - low.y),
+        };
+        let place = |p: Vector2<f64>| {
+            let cell = |x: f64, most: usize| ((x.max(0.0) / side) as usize).min(most - 1);
+            [
+                cell(p.x - low.x, finest.columns),
+                cell(p.y - low.y, finest.rows),
+            ]
+        };
+        let corners = |f: usize| mesh.faces[f].map(|v| mesh.material[v as usize]);
+        let mut owned = vec![vec![]; finest.len()];
+        // How far a face reaches out of the tile that owns it.
+        let mut overhang = Vector2::zeros();
+        for f in 0..mesh.faces.len() {
+            let [a, b, c] = corners(f);
+            let tile = place((a + b + c) / 3.0);
+            owned[finest.index(tile)].push(f as u32);
+            let start = low + Vector2::new(tile[0] as f64, tile[1] as f64) * side;
+            let end = start + Vector2::repeat(side);
+            overhang = overhang.sup(&(start - a.inf(&b).inf(&c)));
+            overhang = overhang.sup(&(a.sup(&b).sup(&c) - end));
+        }
+        let mut covering = vec![vec![]; finest.len()];
+        let holes = mesh.material.len() + mesh.faces.len() != mesh.edges.len() + 1;
+        let mut convex = vec![true; finest.len()];
+        for f in 0..mesh.faces.len() {
+            let [a, b, c] = corners(f);
+            let first = place(a.inf(&b).inf(&c) - overhang);
+            let last = place(a.sup(&b).sup(&c) + overhang);
+            let rim = mesh.face_edges[f]
+                .iter()
+                .any(|&e| mesh.is_boundary(e as usize));
+            let columns = first[0]..=last[0];
+            let tiles = (first[1]..=last[1]).flat_map(|j| columns.clone().map(move |i| [i, j]));
+            for tile in tiles.map(|tile| finest.index(tile)) {
+                covering[tile].push(f as u32);
+                convex[tile] &= !(holes && rim);
+            }
+        }
+        if holes {
+            let filled = convex.iter_mut().zip(&covering);
+            filled.for_each(|(convex, faces)| *convex &= !faces.is_empty());
+        }
+        let mut levels = vec![finest];
+        while levels[levels.len() - 1].len() > 1 {
+            let below = levels[levels.len() - 1];
+            levels.push(Level {
+                columns: below.columns.div_ceil(2),
+                rows: below.rows.div_ceil(2),
+            });
+        }
+        let (keepers, stars) = (keepers(mesh), stars(mesh));
+        let [vertex_keeper, edge_keeper] = keepers;
+        Self {
+            levels,
+            owned,
+            covering,
+            convex,
+            shape: (0..mesh.faces.len())
+                .map(|f| mesh.shape_gradients(f))
+                .collect(),
+            vertex_keeper,
+            edge_keeper,
+            stars,
+            near: Default::default(),
+            excluded: Default::default(),
+            span: 0.0,
+            thickness: 0.0,
+        }
+    }
+
+    /// What two points are apart in the flat sheet, at least, to be told from their surroundings \[m\].
+    pub fn span(&self) -> f64 {
+        self.span
+    }
+
+    /// Distance below which two layers touch \[m\].
+    pub fn thickness(&self) -> f64 {
+        self.thickness
+    }
+
+    /// How many faces a vertex has around it, all around; none on the boundary.
+    pub fn star(&self, vertex: u32) -> usize {
+        usize::from(self.stars[vertex as usize])
+    }
+
+    /// Whether a vertex and a face, or two edges, the smaller first, are too close in the flat sheet to touch.
+    pub fn excludes(&self, edges: bool, pair: [u32; 2]) -> bool {
+        let excluded = &self.excluded[usize::from(edges)];
+        !excluded.is_empty() && excluded.binary_search(&pair).is_ok()
+    }
+}
+
+fn keepers(mesh: &Mesh) -> [Vec<u32>; 2] {
+    let mut vertices = vec![0; mesh.material.len()];
+    let mut edges = vec![0; mesh.edges.len()];
+    for f in (0..mesh.faces.len()).rev() {
+        for k in 0..3 {
+            vertices[mesh.faces[f][k] as usize] = f as u32;
+            edges[mesh.face_edges[f][k] as usize] = f as u32;
+        }
+    }
+    [vertices, edges]
+}
+
+fn stars(mesh: &Mesh) -> Vec<u8> {
+    let mut stars = vec![0u8; mesh.material.len()];
+    for &v in mesh.faces.iter().flatten() {
+        stars[v as usize] = stars[v as usize].saturating_add(1);
+    }
+    for e in (0..mesh.edges.len()).filter(|&e| mesh.is_boundary(e)) {
+        for v in mesh.edges[e] {
+            stars[v as usize] = 0;
+        }
+    }
+    stars
+}

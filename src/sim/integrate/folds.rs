@@ -1,0 +1,304 @@
+//! The sheet against itself in the explicit scheme: pairs are collected anew only when enough has moved, forces come from
+//! the compression law, and impulses on the half-step velocities take out bouncing and slip, as in `impulse`.
+//!
+//! A substep holds only if nothing can have passed through: no two features may come nearer in it than they were apart,
+//! and the law must not be stiffer there than the substep bears. Otherwise the whole step is taken again with shorter
+//! ones.
+
+use nalgebra::Vector3;
+
+use crate::contact::layers::{Candidates, Pair};
+use crate::physics::layers::LayerLaw;
+use crate::sim::kernel::{Lanes, add, lanes, scale, vector};
+use crate::sim::model::Model;
+use crate::sim::report::Work;
+
+/// Sweeps of friction over all pairs.
+const SWEEPS: usize = 3;
+/// Substeps that a collection should last.
+const LASTING: f64 = 100.0;
+/// Part of the sheet's own limit that a substep takes where layers are near, and how much stiffer they may become.
+const ROOM: f64 = 0.85;
+const GROWTH: f64 = 2.0;
+/// Least margin of a collection over the thickness, and the most over the span that tiles can tell apart.
+const LEAST_MARGIN: f64 = 0.5;
+const MOST_REACH: f64 = 0.65;
+
+/// Contact of layers over a run of substeps.
+#[derive(Default)]
+pub struct Folds {
+    candidates: Candidates,
+    collected: bool,
+    pairs: Vec<Pair>,
+    /// How fast each pair's offset changed in the half step before \[m/s\].
+    motions: Vec<Vector3<f64>>,
+    positions: Vec<Vector3<f64>>,
+    /// Bound on the stiffness at each vertex, doubled \[N/m\].
+    stiffness: Vec<f64>,
+    /// Largest stiffness over mass that the substep bears \[1/s²\].
+    bearable: f64,
+    tripped: bool,
+    work: Work,
+}
+
+/// Energy taken out in a substep \[J\].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Rubbed {
+    pub contact: f64,
+    pub friction: f64,
+}
+
+impl Folds {
+    /// A substep that layers will bear, likely: no longer than `wanted` for a sheet whose own limit is given \[s\].
+    pub fn substep(
+        &mut self,
+        model: &Model,
+        law: &LayerLaw,
+        (positions, inverse_mass): (&[Vector3<f64>], &[Lanes]),
+        (wanted, limit): (f64, f64),
+    ) -> f64 {
+        let nodes: Vec<Lanes> = positions.iter().map(lanes).collect();
+        self.collected = false;
+        self.stiffness.resize(model.masses.len(), 0.0);
+        self.find(model, &nodes, 0.0);
+        if self.candidates.is_empty() {
+            return wanted;
+        }
+        let rate = self.stiffest(law, inverse_mass);
+        let own = (2.0 / limit).powi(2);
+        wanted.min(2.0 / (own / ROOM.powi(2) + GROWTH * rate).sqrt())
+    }
+
+    /// Bound on stiffness over mass by the pairs found last \[1/s²\].
+    fn stiffest(&mut self, law: &LayerLaw, inverse_mass: &[Lanes]) -> f64 {
+        for pair in &self.pairs {
+            // Gershgorin's bound: the weights of a pair add up to two.
+            let stiffness = 2.0 * pair.share.abs() * law.psi(pair.distance)[2];
+            for (&v, w) in pair.nodes.iter().zip(pair.weights) {
+                self.stiffness[v as usize] += stiffness * w.abs();
+            }
+        }
+        let mut most = 0.0f64;
+        for v in self.pairs.iter().flat_map(|pair| pair.nodes) {
+            let stiffness = std::mem::take(&mut self.stiffness[v as usize]);
+            most = most.max(stiffness * largest(&inverse_mass[v as usize]));
+        }
+        most
+    }
+
+    /// Starts a run of substeps of `dt` from `nodes`, with the limit of the substep without layers \[s\].
+    pub fn begin(
+        &mut self,
+        model: &Model,
+        (nodes, rates): (&[Lanes], &[Lanes]),
+        dt: f64,
+        limit: f64,
+    ) {
+        self.bearable = (2.0 / dt).powi(2) - (2.0 / limit).powi(2);
+        self.tripped = false;
+        self.collected = false;
+        self.work = Work::default();
+        self.stiffness.resize(model.masses.len(), 0.0);
+        self.find(model, nodes, approach(rates, model.masses.len(), dt));
+    }
+
+    /// Whether a substep was too long; what it led to must not be kept.
+    pub fn tripped(&self) -> bool {
+        self.tripped
+    }
+
+    /// What was looked at in the run.
+    pub fn work(&self) -> Work {
+        self.work
+    }
+
+    /// Adds the forces of layers after a drift of `dt` by `rates`.
+    pub fn push(
+        &mut self,
+        model: &Model,
+        law: &LayerLaw,
+        (nodes, rates): (&[Lanes], &[Lanes]),
+        (dt, inverse_mass): (f64, &[Lanes]),
+        forces: &mut [Lanes],
+    ) {
+        let approach = approach(rates, model.masses.len(), dt);
+        // Not finite: it is lost, and nothing can be found.
+        self.tripped |= approach.is_nan() || approach >= self.candidates.nearest();
+        if self.tripped {
+            return;
+        }
+        self.find(model, nodes, approach);
+        self.motions.clear();
+        self.motions
+            .extend(self.pairs.iter().map(|pair| motion(pair, rates)));
+        for pair in &self.pairs {
+            let psi = law.psi(pair.distance);
+            let force = pair.normal * (-pair.share * psi[1]);
+            for (&v, w) in pair.nodes.iter().zip(pair.weights) {
+                let v = v as usize;
+                forces[v] = add(forces[v], scale(lanes(&force), w));
+            }
+        }
+        self.tripped |= self.stiffest(law, inverse_mass) > self.bearable;
+    }
+
+    fn find(&mut self, model: &Model, nodes: &[Lanes], approach: f64) {
+        let (tiles, mesh) = (&model.tiles, &model.mesh);
+        let holds = self.candidates.move_by(approach) && self.collected;
+        self.pairs.clear();
+        if holds && self.candidates.is_empty() {
+            return;
+        }
+        self.positions.clear();
+        self.positions
+            .extend(nodes[..model.masses.len()].iter().map(vector));
+        if !holds {
+            let thickness = tiles.thickness();
+            let most = MOST_REACH * tiles.span() - thickness;
+            let margin = (LASTING * approach).clamp(LEAST_MARGIN * thickness, most);
+            self.candidates
+                .collect(tiles, mesh, &self.positions, margin);
+            self.collected = true;
+            self.work.layer_searches += 1;
+            self.work.layer_pairs += self.candidates.len() as u64;
+        }
+        let positions = &self.positions;
+        self.candidates
+            .pairs(tiles, mesh, positions, &mut self.pairs);
+    }
+
+    /// Takes bouncing and slip out of `rates` over a substep of `dt`.
+    pub fn rub(
+        &self,
+        law: &LayerLaw,
+        inverse_mass: &[Lanes],
+        rates: &mut [Lanes],
+        dt: f64,
+    ) -> Rubbed {
+        let pairs = self.pairs.iter().zip(&self.motions);
+        let mut grips: Vec<Grip> = pairs
+            .filter_map(|(pair, before)| Grip::new(law, pair, *before, (inverse_mass, dt)))
+            .collect();
+        for grip in &mut grips {
+            grip.soften(inverse_mass, rates);
+        }
+        if law.friction > 0.0 {
+            for _ in 0..SWEEPS {
+                for grip in &mut grips {
+                    grip.tighten(law.friction, inverse_mass, rates);
+                }
+            }
+        }
+        // An impulse works on the mean of the half-step velocities before and after all impulses of the substep.
+        let mut rubbed = Rubbed::default();
+        for grip in &grips {
+            let mean = (grip.before + motion(grip.pair, rates)) * 0.5;
+            rubbed.contact -= grip.braked * grip.pair.normal.dot(&mean);
+            rubbed.friction -= grip.impulse.dot(&mean);
+        }
+        rubbed
+    }
+}
+
+/// Bound on how much nearer two vertices come in a substep \[m\].
+fn approach(rates: &[Lanes], vertices: usize, dt: f64) -> f64 {
+    let rates = &rates[..vertices];
+    let sum = rates.iter().fold([0.0; 4], |sum, rate| add(sum, *rate));
+    let mean = scale(sum, 1.0 / vertices as f64);
+    let mut fastest = 0.0;
+    for rate in rates {
+        let off: Lanes = std::array::from_fn(|k| rate[k] - mean[k]);
+        let square = off[0] * off[0] + off[1] * off[1] + off[2] * off[2];
+        fastest = if square > fastest { square } else { fastest };
+    }
+    2.0 * fastest.sqrt() * dt
+}
+
+fn largest(lanes: &Lanes) -> f64 {
+    lanes[0].max(lanes[1]).max(lanes[2])
+}
+
+/// A pair as the sweep needs it.
+struct Grip<'a> {
+    pair: &'a Pair,
+    /// Inverse of the mass that the pair feels \[1/kg\].
+    lightness: f64,
+    /// N dt \[N·s\].
+    load: f64,
+    /// Critical damping times dt \[kg\].
+    damping: f64,
+    /// Of that damping \[N·s\].
+    braked: f64,
+    /// Of friction \[N·s\].
+    impulse: Vector3<f64>,
+    /// How fast the pair's offset changed in the half step before \[m/s\].
+    before: Vector3<f64>,
+}
+
+/// How fast a pair's offset changes \[m/s\].
+fn motion(pair: &Pair, rates: &[Lanes]) -> Vector3<f64> {
+    let ends = pair.nodes.iter().zip(pair.weights);
+    ends.map(|(&v, w)| vector(&rates[v as usize]) * w).sum()
+}
+
+impl<'a> Grip<'a> {
+    fn new(
+        law: &LayerLaw,
+        pair: &'a Pair,
+        before: Vector3<f64>,
+        (inverse_mass, dt): (&[Lanes], f64),
+    ) -> Option<Self> {
+        let ends = pair.nodes.iter().zip(pair.weights);
+        let lightness: f64 = ends
+            .map(|(&v, w)| w * w * largest(&inverse_mass[v as usize]))
+            .sum();
+        let psi = law.psi(pair.distance);
+        (lightness > 0.0 && pair.share > 0.0).then(|| Self {
+            pair,
+            lightness,
+            load: -pair.share * psi[1] * dt,
+            damping: 2.0 * (pair.share * psi[2] / lightness).sqrt() * dt,
+            braked: 0.0,
+            impulse: Vector3::zeros(),
+            before,
+        })
+    }
+
+    fn slip(&self, rates: &[Lanes]) -> Vector3<f64> {
+        let (motion, normal) = (motion(self.pair, rates), self.pair.normal);
+        motion - normal * normal.dot(&motion)
+    }
+
+    fn push(&self, impulse: &Vector3<f64>, inverse_mass: &[Lanes], rates: &mut [Lanes]) {
+        let push = lanes(impulse);
+        for (&v, w) in self.pair.nodes.iter().zip(self.pair.weights) {
+            let v = v as usize;
+            let kick = std::array::from_fn(|i| push[i] * inverse_mass[v][i] * w);
+            rates[v] = add(rates[v], kick);
+        }
+    }
+
+    /// Damps the normal velocity without pulling; the load changes with it.
+    fn soften(&mut self, inverse_mass: &[Lanes], rates: &mut [Lanes]) {
+        let speed = self.pair.normal.dot(&motion(self.pair, rates));
+        let wanted = -self.damping * speed / (1.0 + self.damping * self.lightness);
+        let impulse = wanted.max(-self.load);
+        self.load += impulse;
+        self.braked = impulse;
+        self.push(&(self.pair.normal * impulse), inverse_mass, rates);
+    }
+
+    /// Changes the impulse towards no slip within the cone.
+    fn tighten(&mut self, friction: f64, inverse_mass: &[Lanes], rates: &mut [Lanes]) {
+        let slip = self.slip(rates);
+        let limit = friction * self.load;
+        let mut impulse = self.impulse - slip / self.lightness;
+        let size = impulse.norm();
+        if size > limit {
+            impulse *= limit / size;
+        }
+        let change = impulse - self.impulse;
+        self.impulse = impulse;
+        self.push(&change, inverse_mass, rates);
+    }
+}

@@ -1,0 +1,156 @@
+//! `toile plan`: the promise is kept against an independent, finer run, or it says why it cannot be made.
+
+use cpu_time::ThreadTime;
+use toile::chart::plan::{PlanError, Tolerance, check, plan};
+use toile::chart::problems;
+use toile::chart::rows::Asked;
+use toile::chart::work_precision::Problem;
+use toile::scene::{Method, Scheme};
+
+use crate::cli::{assert_refusal, err, out, toile};
+use crate::lab::{built_in, reading, run};
+
+fn clock() -> impl FnMut() -> f64 {
+    let start = ThreadTime::now();
+    move || start.elapsed().as_secs_f64()
+}
+
+#[test]
+fn tolerances_are_read() {
+    assert_eq!("1%".parse(), Ok(Tolerance(0.01)));
+    assert_eq!("0.05".parse(), Ok(Tolerance(0.05)));
+    for wrong in ["0", "-1%", "80%", "one", "nan"] {
+        assert!(wrong.parse::<Tolerance>().is_err(), "{wrong}");
+    }
+}
+
+/// Against central differences on four times the triangles, at the end of the run.
+#[test]
+fn validate_a_plan_keeps_its_promise() {
+    for (name, set, share) in [
+        (
+            "strip-release",
+            ["duration=0.15", "sheet.triangles=400", "damping=0.2"],
+            0.05,
+        ),
+        (
+            "four-edges",
+            ["duration=0.1", "sheet.triangles=800", "damping=2"],
+            0.05,
+        ),
+    ] {
+        let scene = built_in(name, &set);
+        let plan = plan(&scene, Tolerance(share), &mut clock(), &mut |_| {})
+            .unwrap_or_else(|e| panic!("{name}: {e}"));
+        let [space, time] = plan.errors;
+        assert!(
+            space + time <= share && plan.chosen.cpu > 0.0,
+            "{name}: {plan:?}"
+        );
+        let dearer = plan
+            .methods
+            .iter()
+            .filter(|t| t.error.is_some_and(|e| e + space <= share));
+        assert!(dearer.min_by(|a, b| a.cpu.total_cmp(&b.cpu)).unwrap().cpu >= plan.chosen.cpu);
+        let mut truth = scene.clone();
+        truth.method = truth.method.with(Method::from(Scheme::CentralDifference));
+        truth.sheet.triangles = Some(4 * plan.chosen.triangles);
+        let (ours, truth) = (run(&plan.scene), run(&truth));
+        let largest = scene
+            .observe
+            .keys()
+            .map(|key| reading(&truth, key).abs())
+            .fold(0.0, f64::max);
+        for key in scene.observe.keys() {
+            let off = (reading(&ours, key) - reading(&truth, key)).abs() / largest;
+            println!(
+                "{name}: {} at {:.2e} s on {} triangles, {key} off by {off:.4}",
+                plan.chosen.method.name(),
+                plan.chosen.dt,
+                plan.chosen.triangles
+            );
+            assert!(off <= share, "{name}: {key} off by {off}");
+        }
+        let second_look = check(&plan, &mut clock()).unwrap();
+        assert!(second_look < 2.0 * share, "{name}: {second_look}");
+    }
+}
+
+#[test]
+fn what_cannot_be_planned_is_told() {
+    let mut silent = |_: &str| {};
+    let nothing = built_in("strip-release", &[]);
+    let nothing = toile::scene::Scene {
+        observe: Default::default(),
+        ..nothing
+    };
+    let refused = plan(&nothing, Tolerance(0.01), &mut clock(), &mut silent);
+    assert!(matches!(refused, Err(PlanError::NothingObserved(_))));
+    let rest = built_in("cantilever", &["method.scheme=equilibrium"]);
+    let refused = plan(&rest, Tolerance(0.01), &mut clock(), &mut silent);
+    assert!(matches!(refused, Err(PlanError::NoTime(_))));
+    let fine = built_in("strip-release", &["sheet.triangles=60", "duration=0.05"]);
+    let refused = plan(&fine, Tolerance(1e-5), &mut clock(), &mut silent).unwrap_err();
+    assert!(matches!(refused, PlanError::TooFine { .. }), "{refused}");
+}
+
+#[test]
+fn the_command_line_plans_and_checks() {
+    let dir = tempfile::tempdir().unwrap();
+    let scene = [
+        "strip-release",
+        "--set",
+        "sheet.triangles=200",
+        "--set",
+        "damping=1",
+        "--duration",
+        "0.1",
+        "--tolerance",
+        "10%",
+    ];
+    let output = toile(dir.path(), &[&["plan"], &scene[..]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    let text = out(&output);
+    for part in [
+        "strip-release within 10 %",
+        "estimated error",
+        "central-difference",
+        "quasi-newton",
+    ] {
+        assert!(text.contains(part), "{part} is not in {text}");
+    }
+    let output = toile(dir.path(), &[&["run"], &scene[..], &["--json"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    let said: serde_json::Value = serde_json::from_str(&out(&output)).unwrap();
+    assert!(said["tolerance"]["error"].as_f64().unwrap() > 0.0, "{said}");
+    let refused = ["run", "strip-release", "--tolerance", "1%", "--dt", "1e-3"];
+    assert_refusal(&toile(dir.path(), &refused), 2, &["--tolerance"]);
+    let refused = ["plan", "strip-release", "--tolerance", "0"];
+    assert_refusal(&toile(dir.path(), &refused), 2, &["0.001%"]);
+}
+
+/// Every charted scene has a problem whose runs can begin.
+#[test]
+fn consistency_of_the_charted_scenes() {
+    for name in problems::CHARTED {
+        let problem = Problem::of(built_in(name, &[])).unwrap();
+        assert!(
+            problem.meshes.len() >= 2 && !problem.steps.is_empty(),
+            "{name}"
+        );
+        for dt in &problem.steps {
+            for time in &problem.times {
+                let count = time / dt;
+                assert!(
+                    (count - count.round()).abs() < 1e-6,
+                    "{name}: {dt} s does not divide {time} s"
+                );
+            }
+        }
+        let key = problem.key(Scheme::Bdf2.into(), Asked::Step(problem.steps[0]), 50);
+        let scene = problem.scene_of(&key).unwrap();
+        assert_eq!(scene.sheet.triangles, Some(50));
+        let mut simulation = crate::lab::simulation(&scene);
+        simulation.step().unwrap_or_else(|e| panic!("{name}: {e}"));
+    }
+}
