@@ -21,6 +21,7 @@ mod near;
 mod neglect;
 mod overlap;
 mod parts;
+mod problem;
 mod report;
 mod resume;
 mod simulation;
