@@ -1,7 +1,8 @@
 //! A scene with one piece of its physics toggled, to see what that piece is worth.
 
+use super::method::Solver;
 use super::needs::{Term, needs};
-use super::spec::{AirSpec, Scene};
+use super::spec::{AirSpec, LayersSpec, Scene};
 use crate::fabric::{PoissonCoupling, TwistRigidity};
 
 /// What is switched on where a scene has none: the paper's damping, and air at rest on a plate moving at about 1 m/s.
@@ -44,7 +45,11 @@ pub fn ablations(scene: &Scene) -> Vec<Ablation> {
             Term::Friction if on && !scene.obstacle.is_empty() => toggle(name, &|scene| {
                 scene.obstacle.values_mut().for_each(|o| o.friction = 0.0);
             }),
-            Term::Gravity | Term::Contact | Term::Friction => {}
+            Term::Layers if on => toggle(name, &|scene| scene.layers = None),
+            Term::Layers if scene.method.solver == Solver::Newton => {
+                toggle(name, &|scene| scene.layers = Some(LayersSpec::default()));
+            }
+            Term::Gravity | Term::Contact | Term::Friction | Term::Layers => {}
         }
     }
     toggle(

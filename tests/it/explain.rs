@@ -133,6 +133,7 @@ fn consistency_toggles() {
             "drag on",
             "contact off",
             "friction off",
+            "layers on",
             "twist none",
             "poisson symmetrised"
         ]
