@@ -1,7 +1,8 @@
 //! A scene with one piece of its physics toggled, to see what that piece is worth.
 
+use super::method::Solver;
 use super::needs::{Term, needs};
-use super::spec::{AirSpec, Scene};
+use super::spec::{AirSpec, LayersSpec, Scene};
 use crate::fabric::{PoissonCoupling, TwistRigidity};
 
 /// What is switched on where a scene has none: the paper's damping, and air at rest on a plate moving at about 1 m/s.
@@ -35,7 +36,10 @@ pub fn ablations(scene: &Scene) -> Vec<Ablation> {
             // said of weight or obstacles there is nothing to switch on.
             Term::Stretch | Term::Support => {}
             Term::Bend => toggle("bend a thousandth".to_string(), &soften),
-            Term::Gravity if on => toggle(name, &|scene| scene.gravity = [0.0; 3]),
+            Term::Gravity if on => toggle(name, &|scene| {
+                scene.gravity = [0.0; 3];
+                scene.load.clear();
+            }),
             Term::Damping if on => toggle(name, &|scene| scene.damping = 0.0),
             Term::Damping => toggle(name, &|scene| scene.damping = DAMPING),
             Term::Drag if on => toggle(name, &without_air),
@@ -44,7 +48,11 @@ pub fn ablations(scene: &Scene) -> Vec<Ablation> {
             Term::Friction if on && !scene.obstacle.is_empty() => toggle(name, &|scene| {
                 scene.obstacle.values_mut().for_each(|o| o.friction = 0.0);
             }),
-            Term::Gravity | Term::Contact | Term::Friction => {}
+            Term::Layers if on => toggle(name, &|scene| scene.layers = None),
+            Term::Layers if scene.method.solver == Solver::Newton => {
+                toggle(name, &|scene| scene.layers = Some(LayersSpec::default()));
+            }
+            Term::Gravity | Term::Contact | Term::Friction | Term::Layers => {}
         }
     }
     toggle(

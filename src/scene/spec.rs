@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::load::LoadSpec;
 use super::method::{MethodSpec, OutputSpec};
-use super::refine::Refine;
 use super::motion::{ObstacleMotion, OverlapSpec, SupportMotion, placed};
+use super::refine::Refine;
 use crate::contact::{Motion, Pose, Shape};
 use crate::fabric::{PoissonCoupling, TwistRigidity};
 use crate::sheet::Outline;

@@ -186,3 +186,18 @@ fn plus(a: Lanes, s: f64, b: Lanes) -> Lanes {
 pub fn dot(a: Lanes, b: Lanes) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
+
+/// Moves the nodes and returns the largest speed of a vertex \[m/s\].
+pub fn drift(nodes: &mut [Lanes], rates: &[Lanes], dt: f64, vertices: usize) -> f64 {
+    for (x, rate) in nodes.iter_mut().zip(rates) {
+        *x = add(*x, scale(*rate, dt));
+    }
+    let mut fastest = 0.0;
+    for rate in &rates[..vertices] {
+        let square = dot(*rate, *rate);
+        if square > fastest {
+            fastest = square;
+        }
+    }
+    fastest.sqrt()
+}

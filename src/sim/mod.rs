@@ -21,6 +21,7 @@ mod near;
 mod neglect;
 mod overlap;
 mod parts;
+mod problem;
 mod regions;
 mod report;
 mod resume;

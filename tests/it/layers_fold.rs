@@ -19,6 +19,7 @@ const LAND: f64 = 0.93847;
 const BELOW: f64 = 4.0;
 const ABOVE: f64 = 3.0;
 
+/// Both ends are held along the strip, or the fold would roll off at one of them.
 fn strip(fabric: &str, thickness: f64) -> (Scene, f64) {
     let toml = |length: f64, edge: f64, back: f64| {
         format!(
@@ -27,14 +28,19 @@ fn strip(fabric: &str, thickness: f64) -> (Scene, f64) {
              [fabric]\nname = \"{fabric}\"\n\
              [obstacle.table]\nshape = {{ kind = \"plane\" }}\n\
              [layers]\nthickness = {thickness}\n\
+             [support.low]\nkind = \"pin\"\nregion = {{ kind = \"x-min\" }}\naxes = \"x\"\n\
+             [support.high]\nkind = \"pin\"\nregion = {{ kind = \"x-max\" }}\naxes = \"x\"\n\
+             displacement = [{back}, 0.0, 0.0]\n\
              [method]\nscheme = \"equilibrium\"\ndt = 1e-3\ntolerance = 1e-6\n",
             width = 1.5 * edge
         )
     };
-    let first = scene(&toml(0.1, 0.05));
+    let first = scene(&toml(0.1, 0.05, 0.0));
     let fabric = first.fabric.resolve().unwrap();
     let l = (fabric.rigidity_warp / (fabric.areal_density * 9.81)).cbrt();
-    (scene(&toml((BELOW + ARC + ABOVE) * l, 0.15 * l)), l)
+    let length = (BELOW + ARC + ABOVE) * l;
+    let end = curve(length, l, 0.0, 0.0).0;
+    (scene(&toml(length, 0.15 * l, end - length)), l)
 }
 
 /// Place and direction of the strip at an arc length from its lower end.
@@ -77,7 +83,7 @@ fn rest(fabric: &str, thickness: f64) -> (Simulation, f64) {
     let place = |p: &nalgebra::Vector2<f64>| {
         let (x, z, angle) = curve(p.x + 0.5 * length, l, half, thickness);
         (
-            Vector3::new(x, p.y, z),
+            Vector3::new(x - 0.5 * length, p.y, z),
             Vector3::new(angle.cos(), 0.0, angle.sin()),
         )
     };

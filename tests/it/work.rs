@@ -39,6 +39,7 @@ fn work_of_a_released_strip() {
             tests: 0,
             solves: 100,
             halvings: 0,
+            ..Work::default()
         }
     );
 }
@@ -64,6 +65,7 @@ fn work_of_a_pinned_square() {
             tests: 0,
             solves: 30,
             halvings: 0,
+            ..Work::default()
         }
     );
 }
@@ -87,6 +89,7 @@ fn work_of_a_drape_over_a_table() {
             tests: 0,
             solves: 271,
             halvings: 123,
+            ..Work::default()
         }
     );
     let explicit = work("drape-table", &set);
@@ -116,6 +119,7 @@ fn work_of_a_drape_at_rest() {
             tests: 1,
             solves: 56,
             halvings: 0,
+            ..Work::default()
         }
     );
 }

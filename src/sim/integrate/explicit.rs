@@ -21,7 +21,7 @@ use crate::physics::contact::ContactLaw;
 use crate::physics::drag::Drag;
 use crate::physics::{Load, Potential};
 use crate::sim::air::Breeze;
-use crate::sim::kernel::{Kernel, Lanes, add, dot, lanes, scale, vector};
+use crate::sim::kernel::{Kernel, Lanes, add, dot, drift, lanes, scale, vector};
 use crate::sim::model::Model;
 use crate::sim::report::Work;
 use crate::sim::state::State;
@@ -110,8 +110,7 @@ impl Explicit {
         }
     }
 
-    /// What contact of the sheet with itself took in the last run of substeps; `None` if they were too long for it, and
-    /// the state that they led to must not be kept.
+    /// What layers took in the last run of substeps; `None` if those were too long, and what they led to is void.
     pub fn layer_work(&self) -> Option<Work> {
         (!self.folds.tripped()).then(|| self.folds.work())
     }
@@ -398,19 +397,4 @@ pub fn resistances(drag: &Drag, nodes: &[Vector3<f64>]) -> Vec<Matrix3<f64>> {
         stencil.iter().for_each(|&n| sum[n] += of_face);
     }
     sum
-}
-
-/// Moves the nodes and returns the largest speed of a vertex \[m/s\].
-fn drift(nodes: &mut [Lanes], rates: &[Lanes], dt: f64, vertices: usize) -> f64 {
-    for (x, rate) in nodes.iter_mut().zip(rates) {
-        *x = add(*x, scale(*rate, dt));
-    }
-    let mut fastest = 0.0;
-    for rate in &rates[..vertices] {
-        let square = dot(*rate, *rate);
-        if square > fastest {
-            fastest = square;
-        }
-    }
-    fastest.sqrt()
 }
