@@ -252,9 +252,9 @@ fn row(line: &str, number: usize) -> Result<Row, RowsError> {
             factorisations: count("factorisations")?,
             indefinite: count("indefinite")?,
             constant: count("constant")?,
-            tests: 0,
             solves: count("solves")?,
             halvings: count("halvings")?,
+            ..Work::default()
         },
         parts: Parts {
             algebra: maybe("error_algebra")?,
