@@ -254,7 +254,6 @@ fn row(line: &str, number: usize) -> Result<Row, RowsError> {
             constant: count("constant")?,
             solves: count("solves")?,
             halvings: count("halvings")?,
-            // Not in the table.
             ..Work::default()
         },
         parts: Parts {

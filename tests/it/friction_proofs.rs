@@ -1,10 +1,11 @@
-//! Coulomb friction against closed forms: the cone to a per cent, no creep, the capstan, the pinch.
+//! Coulomb friction against closed forms: the cone to a per cent, no creep, the capstan, the foot
+//! that slips, the pinch.
 
 use nalgebra::Vector3;
 use toile::scene::Scene;
 use toile::sim::Simulation;
 
-use crate::lab::{internal_forces, scene, simulation};
+use crate::lab::{Table, internal_forces, scene, simulation};
 
 fn mean(list: &[Vector3<f64>]) -> Vector3<f64> {
     list.iter().sum::<Vector3<f64>>() / list.len() as f64
@@ -167,6 +168,53 @@ fn verify_the_capstan() {
             sums[1] / sums[0]
         );
         assert!(error.abs() < 0.02, "{scheme}: {error}");
+    }
+}
+
+/// Speed at which the strip is lowered \[m/s\].
+const LOWERING: f64 = 0.005;
+
+/// A weightless strip 0.1 m long, clamped above, its foot on a floor, lowered by a strain of `end`.
+fn foot(mu: f64, end: f64) -> Scene {
+    let time = end * 0.1 / LOWERING;
+    scene(&format!(
+        "name = \"foot\"\ndescription = \"A strip lowered on its foot\"\nduration = {time}\n\
+         gravity = [0.0, 0.0, 0.0]\ndamping = 0.5\n[sheet]\n\
+         outline = {{ kind = \"rectangle\", length = 0.1, width = 0.005 }}\nedge = 0.0025\n\
+         rotation = [0.0, 90.0, 0.0]\nposition = [0.0, 0.0, 0.050245]\n[fabric]\nname = \"F1\"\n\
+         areal_density = 0.05\nrigidity_warp = 1e-3\nrigidity_weft = 1e-3\n\
+         [obstacle.floor]\nshape = {{ kind = \"plane\" }}\nfriction = {mu}\n\
+         [support.top]\nkind = \"clamp\"\nregion = {{ kind = \"x-min\" }}\n[support.top.motion]\n\
+         times = [0.0, {time}]\ndisplacements = [[0.0, 0.0, 0.0], [0.0, 0.0, {}]]\n\
+         [perturbation]\namplitude = 5e-5\n[observe.foot]\npoints = [[0.05, 0.0]]\naxis = \"x\"\n\
+         [method]\nscheme = \"bdf2\"\ndt = 8e-3\ntolerance = 1e-4\n",
+        -end * 0.1,
+    ))
+}
+
+/// The strain at which the foot slips depends on mu alone. Beyond mu = 0.367 the reference's strip leaves its foot below
+/// the horizontal, which no floor allows.
+#[test]
+fn verify_the_foot_that_slips() {
+    let reference = include_str!("../references/stick_slip_clamped_hinged_elastica.csv");
+    let table = Table::new(reference);
+    for mu in [0.1, 0.2, 0.3, 0.35] {
+        let critical = table.inverse("Q_over_P", "eps", mu);
+        let scene = foot(mu, 1.1 * critical);
+        let mut simulation = simulation(&scene);
+        let mut slipped = f64::INFINITY;
+        for _ in 0..scene.steps() {
+            let report = simulation.step().unwrap_or_else(|e| panic!("mu {mu}: {e}"));
+            if report.readings[0].abs() > 1e-4 {
+                slipped = report.time * LOWERING / 0.1;
+                break;
+            }
+        }
+        let error = slipped / critical - 1.0;
+        println!(
+            "mu {mu}: slips at a strain of {slipped:.4}, exactly {critical:.4}, {error:.1e} off"
+        );
+        assert!(error.abs() < 0.03, "mu {mu}: {error}");
     }
 }
 

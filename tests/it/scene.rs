@@ -222,7 +222,7 @@ dt = 1e-3
 tolerance = 1e-5
 max_iterations = 20
 substep = 1e-5
-solver = "quasi-newton"
+solver = "newton"
 limit = "ignore"
 rho_infinity = 0.5
 [output]

@@ -48,7 +48,6 @@ fn sheet(
     name: &str,
     size: [f64; 2],
     triangles: usize,
-    z: f64,
     scheme: &str,
     dt: f64,
     duration: f64,
@@ -57,7 +56,7 @@ fn sheet(
     scene(&format!(
         "name = \"{name}\"\ndescription = \"Fast and sharp obstacles\"\nduration = {duration}\ndamping = 0.1\n\
          [sheet]\noutline = {{ kind = \"rectangle\", length = {}, width = {} }}\n\
-         triangles = {triangles}\nposition = [0.0, 0.0, {z}]\n[fabric]\nname = \"F1\"\n\
+         triangles = {triangles}\nposition = [0.0, 0.0, 0.0]\n[fabric]\nname = \"F1\"\n\
          [method]\nscheme = \"{scheme}\"\ndt = {dt}\n{rest}",
         size[0], size[1]
     ))
@@ -89,7 +88,7 @@ fn a_ball_at_10_m_per_s_does_not_pass_through_a_pinned_sheet() {
         let rest = "[obstacle.ball]\nshape = { kind = \"sphere\", radius = 0.02 }\n[obstacle.ball.motion]\n\
                     times = [0.005, 0.012]\npositions = [[0.0, 0.0, -0.06], [0.0, 0.0, 0.01]]\n\
                     [support.edge]\nkind = \"pin\"\nregion = { kind = \"boundary\" }\n";
-        let scene = sheet("ball", [0.2, 0.2], triangles, 0.0, scheme, dt, 0.05, rest);
+        let scene = sheet("ball", [0.2, 0.2], triangles, scheme, dt, 0.05, rest);
         let mut simulation = simulation(&scene);
         let worst = watch(&mut simulation, what, |_| ());
         let ball = &simulation.state().obstacles[0];
@@ -115,7 +114,7 @@ fn a_sheet_at_3_m_per_s_does_not_pass_a_thin_plate() {
     each([60, 240], |scheme, dt, triangles, what| {
         let rest = "[obstacle.plate]\nshape = { kind = \"box\", size = [0.2, 0.2, 0.0005] }\nfriction = 0.3\n\
                     [obstacle.plate.motion]\ntimes = [0.0, 0.02]\npositions = [[0.0, 0.0, -0.03], [0.0, 0.0, 0.03]]\n";
-        let scene = sheet("plate", [0.1, 0.1], triangles, 0.0, scheme, dt, 0.1, rest);
+        let scene = sheet("plate", [0.1, 0.1], triangles, scheme, dt, 0.1, rest);
         let mut simulation = simulation(&scene);
         let worst = watch(&mut simulation, what, |s| {
             let plate = s.state().obstacles[0].pose.translation.vector.z;
@@ -149,16 +148,7 @@ fn a_needle_does_not_go_through_the_sheet() {
                 -0.01 - tip,
                 0.02 - tip
             );
-            let scene = sheet(
-                "needle",
-                [0.1, 0.1],
-                triangles,
-                0.0,
-                scheme,
-                dt,
-                0.035,
-                &rest,
-            );
+            let scene = sheet("needle", [0.1, 0.1], triangles, scheme, dt, 0.035, &rest);
             let mut simulation = simulation(&scene);
             let worst = watch(&mut simulation, what, |_| ());
             let top = simulation.state().obstacles[0].pose.translation.vector.z + tip;
@@ -187,7 +177,7 @@ fn the_corner_of_a_box_does_not_cut_the_sheet() {
                     [obstacle.box.motion]\ntimes = [0.0, 0.05]\n\
                     positions = [[0.0, 0.0, -0.03], [0.0, 0.0, 0.02]]\n\
                     rotations = [[45.0, 35.264, 0.0], [45.0, 35.264, 0.0]]\n";
-        let scene = sheet("corner", [0.1, 0.1], triangles, 0.0, scheme, dt, 0.1, rest);
+        let scene = sheet("corner", [0.1, 0.1], triangles, scheme, dt, 0.1, rest);
         let mut simulation = simulation(&scene);
         let worst = watch(&mut simulation, what, |_| ());
         let corner = simulation.state().obstacles[0].pose.translation.vector.z + 0.0259;
@@ -228,16 +218,7 @@ fn a_gripper_closes_to_half_the_thickness_and_opens() {
             pad("upper", 1.0),
             pad("lower", -1.0)
         );
-        let scene = sheet(
-            "gripper",
-            [0.1, 0.1],
-            triangles,
-            0.0,
-            scheme,
-            dt,
-            0.25,
-            &rest,
-        );
+        let scene = sheet("gripper", [0.1, 0.1], triangles, scheme, dt, 0.25, &rest);
         let mut simulation = simulation(&scene);
         let worst = watch(&mut simulation, what, |_| ());
         assert!(
