@@ -120,7 +120,7 @@ impl Nearby {
         reach: f64,
         margin: f64,
     ) -> Self {
-        let reach = reach + margin;
+        let reach = reach + margin - body.overlap.depth;
         let local = body.all_to_local(positions.iter());
         let firsts: Vec<First> = local.iter().map(|p| body.shape.first_order(p)).collect();
         let values: Vec<f64> = firsts.iter().map(|first| first.0).collect();
@@ -195,6 +195,7 @@ pub fn detect(
     found: &mut Vec<Proximity>,
 ) {
     let (index, body) = obstacle;
+    let reach = reach - body.overlap.depth;
     let local = body.all_to_local(nearby.vertices.iter().map(|&v| &positions[v as usize]));
     let values: Vec<First> = local.iter().map(|p| body.shape.first_order(p)).collect();
     let key = |kind: u64, feature: u32| key(index, kind, feature);

@@ -19,7 +19,7 @@ pub struct Distance {
 const TINY: f64 = 1e-12;
 
 impl Obstacle {
-    /// Distance from a point in the world.
+    /// Distance from a point in the world to the surface that acts (see [`Overlap`](super::Overlap)).
     pub fn distance(&self, point: &Vector3<f64>) -> Distance {
         self.to_world(&self.shape.distance(&self.to_local(point)))
     }
@@ -44,11 +44,11 @@ impl Obstacle {
         points.map(|p| turn * (p - origin)).collect()
     }
 
-    /// A distance found in the obstacle's frame, with its derivatives turned to the world's.
+    /// A distance found in the obstacle's frame, with its derivatives turned to the world's, from the surface that acts.
     pub(super) fn to_world(&self, d: &Distance) -> Distance {
         let turn = self.pose.rotation.to_rotation_matrix();
         Distance {
-            value: d.value,
+            value: d.value + self.overlap.depth,
             normal: turn * d.normal,
             curvature: turn.matrix() * d.curvature * turn.matrix().transpose(),
         }
@@ -83,6 +83,17 @@ impl Shape {
                 within(cap, p.x.hypot(p.y) - radius, p.z.abs())
             }
             Self::Sphere { .. } | Self::Capsule { .. } => 0.0,
+        }
+    }
+
+    /// Radius of the largest ball inside \[m\]; zero for a disc, infinite for a plane.
+    pub fn inner_radius(&self) -> f64 {
+        match *self {
+            Self::Plane => f64::INFINITY,
+            Self::Box { size: [x, y, z] } => 0.5 * x.min(y).min(z),
+            Self::Sphere { radius } | Self::Capsule { radius, .. } => radius,
+            Self::Disc { .. } => 0.0,
+            Self::Cylinder { radius, length } => radius.min(0.5 * length),
         }
     }
 

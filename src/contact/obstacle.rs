@@ -65,6 +65,49 @@ pub struct Obstacle {
     pub velocity: Velocity,
     /// Coulomb friction coefficient against the sheet \[-\].
     pub friction: f64,
+    /// Whether it follows the motion that the scene prescribes for it.
+    pub scripted: bool,
+    /// What is left of cloth that it was put into.
+    pub overlap: Overlap,
+}
+
+/// An obstacle that was put into the cloth acts from a surface drawn in by `depth`, which comes out at `speed` and
+/// takes the cloth along: it is pushed off, not thrown off.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Overlap {
+    /// How far the surface is still drawn in \[m\].
+    pub depth: f64,
+    /// How fast it comes out \[m/s\].
+    pub speed: f64,
+}
+
+impl Overlap {
+    /// Speed at which the surface comes out now \[m/s\].
+    pub fn rate(&self) -> f64 {
+        if self.depth > 0.0 { self.speed } else { 0.0 }
+    }
+
+    fn advance(&mut self, dt: f64) {
+        self.depth = (self.depth - self.speed * dt).max(0.0);
+        if self.depth == 0.0 {
+            self.speed = 0.0;
+        }
+    }
+}
+
+impl Default for Obstacle {
+    /// A plane without friction at rest in the origin, without a name.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            shape: Shape::Plane,
+            pose: Pose::identity(),
+            velocity: Velocity::default(),
+            friction: 0.0,
+            scripted: false,
+            overlap: Overlap::default(),
+        }
+    }
 }
 
 impl Obstacle {
@@ -74,8 +117,20 @@ impl Obstacle {
         self.velocity.linear + self.velocity.angular.cross(&arm)
     }
 
-    /// Moves the pose by its velocity for `dt` seconds (exact rotation for constant angular velocity).
-    pub fn advance(&mut self, dt: f64) {
+    /// Velocity of its surface at `x`, where the normal is `normal` \[m/s\]: that of the body, and out of it while it
+    /// comes out of cloth that it was put into.
+    pub fn surface_velocity(&self, x: &Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
+        self.velocity_at(x) + normal * self.overlap.rate()
+    }
+
+    /// Moves it for `dt` seconds: by its velocity (exact rotation for constant angular velocity), or to the place that
+    /// its `motion` has for it at the end.
+    pub fn advance(&mut self, motion: Option<(Pose, Velocity)>, dt: f64) {
+        self.overlap.advance(dt);
+        if let Some((pose, velocity)) = motion {
+            (self.pose, self.velocity) = (pose, velocity);
+            return;
+        }
         self.pose.translation.vector += self.velocity.linear * dt;
         let turn = UnitQuaternion::from_scaled_axis(self.velocity.angular * dt);
         self.pose.rotation = turn * self.pose.rotation;

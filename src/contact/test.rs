@@ -2,7 +2,7 @@ use nalgebra::{Matrix3, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use super::{Features, Nearby, Obstacle, Pose, Proximity, Shape, Velocity, detect};
+use super::{Features, Nearby, Obstacle, Pose, Proximity, Shape, detect};
 use crate::sheet::{Mesh, MeshOptions, Outline, generate};
 
 struct Chance(Pcg64);
@@ -39,8 +39,7 @@ fn placed(shape: Shape, chance: &mut Chance) -> Obstacle {
         name: "body".to_string(),
         shape,
         pose: Pose::from_parts(chance.vector(0.05).into(), turn),
-        velocity: Velocity::default(),
-        friction: 0.0,
+        ..Obstacle::default()
     }
 }
 
@@ -244,8 +243,7 @@ fn a_corner_under_a_face_is_found() {
         name: "box".to_string(),
         shape: Shape::Box { size },
         pose: Pose::from_parts(Vector3::new(0.0, 0.0, -5e-5 - top).into(), turn),
-        velocity: Velocity::default(),
-        friction: 0.0,
+        ..Obstacle::default()
     };
     let positions: Vec<_> = mesh.material.iter().map(|p| p.push(0.0)).collect();
     let mut found = vec![];

@@ -23,6 +23,7 @@ impl Cast {
                 pose: spec.pose(),
                 velocity: Velocity::default(),
                 friction: spec.friction,
+                ..Obstacle::default()
             })
             .collect();
         let mut known: Vec<_> = start.iter().map(|o| (0, o.clone())).collect();

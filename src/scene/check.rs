@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::error::{Problem, SceneError};
 use super::keys::{Key, Kind, names};
-use super::ranges::{NAME, is_name};
+use super::ranges::{NAME, Range, is_name};
 use super::spelling::nearest;
 use super::tree::{Node, Value};
 
@@ -77,15 +77,12 @@ fn value(node: &Node, path: &str, kind: &Kind) -> Result<(), SceneError> {
             let numbers = numbers(node, path, *count, &expected)?;
             in_range(numbers.iter().all(|value| range.contains(*value)))
         }
-        Kind::Points(range) => {
-            let Value::Array(points) = &node.value else {
-                return Err(wrong_type(node, path, expected()));
-            };
-            in_range(!points.is_empty())?;
-            for point in points {
-                let pair = numbers(point, path, 2, &expected)?;
-                if !pair.iter().all(|value| range.contains(*value)) {
-                    return Err(out_of_range(point, path, expected()));
+        Kind::Points(range) => rows(node, path, 2, range, &expected),
+        Kind::Triples(range) => rows(node, path, 3, range, &expected),
+        Kind::Series(range) => {
+            for item in items(node, path, &expected)? {
+                if !range.contains(number(item, path, &expected)?) {
+                    return Err(out_of_range(item, path, expected()));
                 }
             }
             Ok(())
@@ -104,6 +101,36 @@ fn value(node: &Node, path: &str, kind: &Kind) -> Result<(), SceneError> {
         Kind::Named(keys) => named(node, path, keys),
         Kind::Tagged(variants) => tagged(node, path, variants, &expected),
     }
+}
+
+/// The entries of an array that must not be empty.
+fn items<'a>(
+    node: &'a Node,
+    path: &str,
+    expected: &dyn Fn() -> String,
+) -> Result<&'a [Node], SceneError> {
+    match &node.value {
+        Value::Array(items) if items.is_empty() => Err(out_of_range(node, path, expected())),
+        Value::Array(items) => Ok(items),
+        _ => Err(wrong_type(node, path, expected())),
+    }
+}
+
+/// An array of arrays of `count` numbers each.
+fn rows(
+    node: &Node,
+    path: &str,
+    count: usize,
+    range: &Range,
+    expected: &dyn Fn() -> String,
+) -> Result<(), SceneError> {
+    for row in items(node, path, expected)? {
+        let numbers = numbers(row, path, count, expected)?;
+        if !numbers.iter().all(|value| range.contains(*value)) {
+            return Err(out_of_range(row, path, expected()));
+        }
+    }
+    Ok(())
 }
 
 /// A table of tables under names of the user's choice.

@@ -1,12 +1,16 @@
 //! What no key can say alone: values that must fit each other.
 
+use nalgebra::Vector3;
+
 use super::FabricError;
 use super::check::refuse_key;
 use super::error::{Problem, SceneError};
 use super::method::{Method, Scheme, Solver};
 use super::quantity::short;
+use super::ranges::{SPEED, TURN_RATE};
 use super::spec::{Region, Scene};
 use super::tree::Node;
+use crate::contact::Motion;
 use crate::sheet::Outline;
 
 /// A conflict: the key to blame and why.
@@ -19,6 +23,7 @@ pub(super) fn check(scene: &Scene, document: &Node) -> Result<(), SceneError> {
         outline,
         fabric,
         supports,
+        motions,
         air,
         observations,
         method,
@@ -119,6 +124,73 @@ fn supports(scene: &Scene) -> Result<(), Conflict> {
                 return conflict(key(".at"), "the point lies outside the sheet");
             }
             Region::Point { .. } | Region::Boundary | Region::Disc { .. } => {}
+        }
+    }
+    Ok(())
+}
+
+/// A motion has a pose for each time, and no pose is reached faster than an obstacle may be moved.
+fn motions(scene: &Scene) -> Result<(), Conflict> {
+    for (name, obstacle) in &scene.obstacle {
+        if let Some(motion) = &obstacle.motion {
+            let key = format!("obstacle.{name}.motion");
+            let lists = [
+                ("positions", &motion.positions),
+                ("rotations", &motion.rotations),
+            ];
+            series(&key, &motion.times, lists)?;
+            swiftness(
+                &key,
+                &motion.through((obstacle.position, obstacle.rotation)),
+            )?;
+        }
+    }
+    for (name, support) in &scene.support {
+        if let Some(motion) = &support.motion {
+            let key = format!("support.{name}.motion");
+            let lists = [
+                ("displacements", &motion.displacements),
+                ("rotations", &motion.rotations),
+            ];
+            series(&key, &motion.times, lists)?;
+            swiftness(&key, &motion.about(&Vector3::zeros()))?;
+        }
+    }
+    Ok(())
+}
+
+fn series(
+    key: &str,
+    times: &[f64],
+    lists: [(&str, &Option<Vec<[f64; 3]>>); 2],
+) -> Result<(), Conflict> {
+    if !times.is_sorted_by(|a, b| a < b) {
+        return conflict(format!("{key}.times"), "must rise");
+    }
+    if lists.iter().all(|(_, list)| list.is_none()) {
+        let [one, other] = lists.map(|(name, _)| name);
+        return conflict(key, format!("needs {one}, {other} or both"));
+    }
+    for (name, list) in lists {
+        let found = list.as_ref().map_or(times.len(), Vec::len);
+        if found != times.len() {
+            let reason = format!("has {found} entries; must be {}, one a time", times.len());
+            return conflict(format!("{key}.{name}"), reason);
+        }
+    }
+    Ok(())
+}
+
+fn swiftness(key: &str, motion: &Motion) -> Result<(), Conflict> {
+    let (speed, turn) = motion.fastest();
+    for (found, most, unit) in [(speed, SPEED.max, "m/s"), (turn, TURN_RATE.max, "rad/s")] {
+        if found > most {
+            let reason = format!(
+                "goes at up to {} {unit}; at most {} {unit}",
+                short(found),
+                short(most)
+            );
+            return conflict(format!("{key}.times"), reason);
         }
     }
     Ok(())

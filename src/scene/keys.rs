@@ -23,6 +23,10 @@ pub(super) enum Kind {
     Vector(usize, Range),
     /// An array of pairs, at least one.
     Points(Range),
+    /// An array of numbers, at least one.
+    Series(Range),
+    /// An array of arrays of three numbers, at least one.
+    Triples(Range),
     /// One line of text of at most this many characters.
     Text(usize),
     /// A name that can be part of a file name.
@@ -57,7 +61,10 @@ const fn may(name: &'static str, kind: Kind) -> Key {
     }
 }
 
-use Kind::{Axes, Choice, Count, FileName, Named, Number, Points, Table, Tagged, Text, Vector};
+use Kind::{
+    Axes, Choice, Count, FileName, Named, Number, Points, Series, Table, Tagged, Text, Triples,
+    Vector,
+};
 
 /// Angles of poses.
 const ANGLE: Range = range(-360.0, 360.0, "degrees");
@@ -76,6 +83,7 @@ pub(super) const SCENE: &[Key] = &[
     need("fabric", Table(FABRIC)),
     may("support", Named(SUPPORT)),
     may("obstacle", Named(OBSTACLE)),
+    may("overlap", Table(OVERLAP)),
     may("air", Table(AIR)),
     may("perturbation", Table(PERTURBATION)),
     may("method", Table(METHOD)),
@@ -126,7 +134,17 @@ const SUPPORT: &[Key] = &[
     need("region", Tagged(REGION)),
     may("axes", Axes),
     may("displacement", Vector(3, PLACE)),
+    may("motion", Table(SUPPORT_MOTION)),
 ];
+
+const SUPPORT_MOTION: &[Key] = &[
+    may("law", Choice(LAWS)),
+    need("times", Series(TIME)),
+    may("displacements", Triples(PLACE)),
+    may("rotations", Triples(ANGLE)),
+];
+
+const LAWS: &[&str] = &["linear", "smooth"];
 
 const REGION: &[(&str, &[Key])] = &[
     ("x-min", &[]),
@@ -149,6 +167,20 @@ const OBSTACLE: &[Key] = &[
     may("linear_velocity", Vector(3, SPEED)),
     may("angular_velocity", Vector(3, TURN_RATE)),
     may("friction", Number(FRICTION)),
+    may("motion", Table(OBSTACLE_MOTION)),
+];
+
+const OBSTACLE_MOTION: &[Key] = &[
+    may("law", Choice(LAWS)),
+    need("times", Series(TIME)),
+    may("positions", Triples(PLACE)),
+    may("rotations", Triples(ANGLE)),
+];
+
+const OVERLAP: &[Key] = &[
+    may("rule", Choice(&["push-out", "refuse"])),
+    may("time", Number(range(1e-3, 10.0, "s"))),
+    may("speed", Number(range(1e-3, 10.0, "m/s"))),
 ];
 
 const SHAPE: &[(&str, &[Key])] = &[
@@ -221,6 +253,10 @@ impl Kind {
             Count(min, max) => format!("a whole number from {min} to {max}"),
             Vector(count, range) => format!("an array of {count} numbers {range}"),
             Points(range) => format!("an array of [x, y] pairs {range}, at least one"),
+            Series(range) => format!("an array of numbers {range}, at least one"),
+            Triples(range) => {
+                format!("an array of [x, y, z] triples {range}, at least one")
+            }
             Text(longest) => format!("one line of text, 1 to {longest} characters"),
             FileName => "1 to 64 letters, digits, `-` or `_`, a letter or digit first".to_string(),
             Axes => "some of the letters x, y, z, each at most once".to_string(),

@@ -11,6 +11,8 @@ pub const PLACE: Range = range(-1e3, 1e3, "m");
 pub const SPEED: Range = range(-100.0, 100.0, "m/s");
 /// Components of an obstacle's angular velocity.
 pub const TURN_RATE: Range = range(-1e3, 1e3, "rad/s");
+/// Depths of obstacles in the cloth \[m\], and speeds at which they push it out \[m/s\].
+pub const OVERLAP: Range = range(0.0, 1e4, "m or m/s");
 /// Coulomb friction coefficients.
 pub const FRICTION: Range = range(0.0, 10.0, "");
 

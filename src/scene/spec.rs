@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::method::{MethodSpec, OutputSpec};
-use crate::contact::{Pose, Shape};
+use super::motion::{ObstacleMotion, OverlapSpec, SupportMotion, placed};
+use crate::contact::{Motion, Pose, Shape};
 use crate::fabric::{PoissonCoupling, TwistRigidity};
 use crate::sheet::Outline;
 
@@ -39,6 +39,9 @@ pub struct Scene {
     /// What it can touch.
     #[serde(default)]
     pub obstacle: BTreeMap<String, ObstacleSpec>,
+    /// What becomes of an obstacle that is put into the cloth.
+    #[serde(default)]
+    pub overlap: OverlapSpec,
     /// The air that acts on it; none if left out.
     #[serde(default)]
     pub air: Option<AirSpec>,
@@ -239,6 +242,9 @@ pub struct SupportSpec {
     /// Displacement from the start, imposed at once \[m\].
     #[serde(default)]
     pub displacement: [f64; 3],
+    /// How it moves; it stands still if left out.
+    #[serde(default)]
+    pub motion: Option<SupportMotion>,
 }
 
 fn all_axes() -> String {
@@ -266,16 +272,24 @@ pub struct ObstacleSpec {
     /// Coulomb friction coefficient \[-\].
     #[serde(default)]
     pub friction: f64,
+    /// How it moves from the start on, in place of the pose and the velocities above, until a command moves it.
+    #[serde(default)]
+    pub motion: Option<ObstacleMotion>,
 }
 
 impl ObstacleSpec {
     /// Where the obstacle is at the start, in the world.
     pub fn pose(&self) -> Pose {
-        let [roll, pitch, yaw] = self.rotation.map(f64::to_radians);
-        Pose::from_parts(
-            Vector3::from(self.position).into(),
-            UnitQuaternion::from_euler_angles(roll, pitch, yaw),
-        )
+        match self.motion() {
+            Some(motion) => motion.at(0.0).0,
+            None => placed(&self.position.into(), &self.rotation),
+        }
+    }
+
+    /// The motion that the scene prescribes.
+    pub fn motion(&self) -> Option<Motion> {
+        let rest = (self.position, self.rotation);
+        self.motion.as_ref().map(|motion| motion.through(rest))
     }
 }
 

@@ -6,7 +6,8 @@ use super::air::Air;
 use super::command::{AirRegion, Airflow, Command, Rejected};
 use crate::contact::{Obstacle, Pose, Shape, Velocity};
 use crate::scene::ranges::{
-    FLUID_DAMPING, FRICTION, NAME, PLACE, Range, SIZE, SPEED, TIME, TURN_RATE, WIND, is_name,
+    FLUID_DAMPING, FRICTION, NAME, OVERLAP, PLACE, Range, SIZE, SPEED, TIME, TURN_RATE, WIND,
+    is_name,
 };
 
 /// How far the norm of a rotation's quaternion may be from 1: single precision and rounded text pass.
@@ -39,6 +40,8 @@ pub fn obstacle(obstacle: &mut Obstacle) -> Result<(), Rejected> {
     shape(&obstacle.shape)?;
     pose(&mut obstacle.pose)?;
     velocity(&obstacle.velocity)?;
+    number("overlap.depth", obstacle.overlap.depth, &OVERLAP)?;
+    number("overlap.speed", obstacle.overlap.speed, &OVERLAP)?;
     number("friction", obstacle.friction, &FRICTION)
 }
 

@@ -7,11 +7,12 @@ use super::air::Breeze;
 use super::command::{Airflow, Command, Rejected};
 use super::measure;
 use super::model::Model;
+use super::overlap;
 use super::report::StepReport;
 use super::simulation::{Engine, Simulation};
 use super::state::State;
 use super::touch::Touch;
-use crate::contact::{Obstacle, Pose, Velocity};
+use crate::contact::{Obstacle, Overlap, Pose, Velocity};
 use crate::scene::Accept;
 use crate::scene::ranges::FLUID_DAMPING;
 
@@ -64,6 +65,11 @@ impl Simulation {
     }
 
     fn add(&mut self, obstacle: Obstacle) -> Result<(), Rejected> {
+        let obstacle = Obstacle {
+            scripted: false,
+            overlap: Overlap::default(),
+            ..obstacle
+        };
         if self.state.find_obstacle(&obstacle.name).is_some() {
             let name = obstacle.name;
             return Err(Rejected::NameTaken { name });
@@ -97,8 +103,13 @@ impl Simulation {
                 Some(at)
             })?;
         }
+        let obstacle = &mut self.state.obstacles[at];
+        // A motion that the scene prescribes ends here, and leaves no velocity behind.
+        if std::mem::take(&mut obstacle.scripted) {
+            obstacle.velocity = Velocity::default();
+        }
         if let Some(velocity) = velocity {
-            self.state.obstacles[at].velocity = velocity;
+            obstacle.velocity = velocity;
         }
         Ok(())
     }
@@ -121,11 +132,10 @@ impl Simulation {
         let before = contacts(&self.state, at);
         let mut next = self.state.clone();
         let at = change(&mut next);
-        let after = contacts(&next, at);
-        if let Some(at) = at {
-            let [deep, deeper] = [&before, &after].map(|touch| touch.deepest(law));
-            clear(&next.obstacles[at].name, deep, deeper, law.offset)?;
-        }
+        let after = match at {
+            Some(at) => overlap::enter(model, &mut next, at, before.deepest(law))?,
+            None => Touch::default(),
+        };
         for (touch, sign) in [(&before, -1.0), (&after, 1.0)] {
             next.ledger.supports += sign * touch.potential(model, law, &next.positions);
             if let Engine::Explicit(..) = self.engine {
@@ -186,6 +196,7 @@ impl Simulation {
         let step = self.state.step;
         self.state.clone_from(&self.start);
         self.state.step = step;
+        self.state.began = step;
         self.state.air.since = step;
         self.look();
     }
@@ -211,17 +222,4 @@ fn add_jumps(model: &Model, state: &mut State, jumps: impl Iterator<Item = (usiz
     for (v, jump) in jumps {
         state.history.accelerations[v] += model.dofs.free(v, jump) / model.masses[v];
     }
-}
-
-/// Refuses an obstacle that reaches deeper into the cloth than its surface can give way: contact would throw the
-/// sheet off with energy from nowhere. Where the cloth is that deep already, it may stay.
-fn clear(name: &str, deep: f64, deeper: f64, most: f64) -> Result<(), Rejected> {
-    if deeper <= most.max(deep) {
-        return Ok(());
-    }
-    Err(Rejected::Overlap {
-        name: name.to_string(),
-        depth: 1e3 * deeper,
-        most: 1e3 * most,
-    })
 }

@@ -10,7 +10,7 @@ pub enum Command {
     /// A new obstacle, under a name that no other one has.
     AddObstacle(Obstacle),
     /// Puts an obstacle elsewhere, gives it another velocity, or both; what is not given stays. A new place is a
-    /// jump, which takes no cloth along; a velocity does, by friction.
+    /// jump, which takes no cloth along; a velocity does, by friction. A motion that the scene prescribes ends with it.
     MoveObstacle {
         /// Its name.
         name: String,
@@ -80,8 +80,8 @@ pub enum Rejected {
     },
     /// The obstacle would stand in the sheet.
     #[error(
-        "obstacle {name:?} would reach {depth:.3} mm into the cloth; at most {most:.3} mm, half its thickness, so that \
-         contact does not throw the sheet off"
+        "obstacle {name:?} would reach {depth:.3} mm into the cloth; at most {most:.3} mm, half its thickness, with \
+         overlap.rule = \"refuse\""
     )]
     Overlap {
         /// Name of the obstacle.

@@ -31,6 +31,8 @@ pub struct ContactPoint {
     pub friction_force: Vector3<f64>,
     /// Tangential velocity of the cloth over the obstacle \[m/s\].
     pub slip_velocity: Vector3<f64>,
+    /// Whether the obstacle was put into the cloth and is pushing it out.
+    pub overlap: bool,
 }
 
 impl ContactPoint {
@@ -69,6 +71,7 @@ impl Simulation {
                 normal_force,
                 friction_force,
                 slip_velocity: motion - normal * normal.dot(&motion),
+                overlap: obstacle.overlap.depth > 0.0,
             }
         };
         touch.proximities.iter().map(contact).collect()

@@ -34,6 +34,7 @@ impl State {
             digest.vector(&bond.offset);
         }
         digest.whole(self.step);
+        digest.whole(self.began);
         digest.number(past.dt);
         digest.0.digest()
     }
@@ -96,5 +97,8 @@ impl Digest {
         self.vector(&obstacle.velocity.linear);
         self.vector(&obstacle.velocity.angular);
         self.number(obstacle.friction);
+        self.whole(u64::from(obstacle.scripted));
+        self.number(obstacle.overlap.depth);
+        self.number(obstacle.overlap.speed);
     }
 }

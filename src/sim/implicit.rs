@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::air::Breeze;
 use super::assembly::{Assembly, pick};
+use super::carry::Prescribed;
 use super::constant::Constant;
 use super::integrate::{Map, Rule};
 use super::model::Model;
@@ -45,6 +46,8 @@ pub struct Solved {
     pub outcome: Outcome,
     /// Vertex with the largest residual force.
     pub worst: usize,
+    /// Work of moving supports to the end of the step, but for the inertia of what they hold \[J\].
+    pub support_work: f64,
 }
 
 impl Implicit {
@@ -133,10 +136,12 @@ impl Implicit {
             obstacles: state.obstacles.clone(),
             ..Touch::default()
         };
-        for obstacle in &mut touch.obstacles {
-            obstacle.advance(map.fraction * dt);
-        }
+        let time = model.script_time(state, moment);
+        model.move_obstacles(&mut touch.obstacles, time, map.fraction * dt);
         self.nodes = predict(model, state, rule, map.fraction * dt);
+        if rule != Rule::GradientFlow {
+            model.place_supports(&mut self.nodes, time);
+        }
         self.forces.resize(self.nodes.len(), Vector3::zeros());
         model.dofs.gather(&self.nodes, &mut self.z);
         let start = state.nodes();
@@ -186,6 +191,8 @@ impl Implicit {
             outcome.evaluations += 1;
         }
         let worst = problem.worst();
+        let end = model.script_time(state, within + dt);
+        let support_work = problem.work_of_supports(&start, end);
         let touch = problem.touch;
         Solved {
             nodes: self.nodes.clone(),
@@ -193,6 +200,7 @@ impl Implicit {
             touch,
             outcome,
             worst,
+            support_work,
         }
     }
 }
@@ -255,6 +263,24 @@ impl StepProblem<'_> {
                 self.forces[v as usize] -= push;
             }
         }
+    }
+
+    /// Work of moving supports from the nodes at the start of the step to its end, at a time since the start of the
+    /// run, but for the inertia of what they hold \[J\].
+    fn work_of_supports(&self, start: &[Vector3<f64>], end: f64) -> f64 {
+        let carried = self.model.carried.iter();
+        let work = |held: Prescribed| -> f64 {
+            let n = held.node;
+            let mut force = self.forces[n];
+            if let Some(mass) = self.model.masses.get(n) {
+                force -= (self.nodes[n] * self.map.alpha_a + self.map.b_a[n]) * *mass;
+            }
+            let along = (0..3).filter(|&axis| held.axes[axis]);
+            along
+                .map(|axis| force[axis] * (held.value[axis] - start[n][axis]))
+                .sum()
+        };
+        carried.flat_map(|carried| carried.at(end)).map(work).sum()
     }
 
     /// Residual force of a node on its free components \[N\].

@@ -2,6 +2,7 @@
 
 use super::assembly::pick;
 use super::model::Model;
+use super::overlap;
 use super::report::StepReport;
 use super::state::State;
 use super::touch::Touch;
@@ -21,7 +22,7 @@ pub fn measure(model: &Model, state: &State, touch: &Touch, report: &mut StepRep
     energies.air = state.ledger.air;
     if let Some(law) = &model.contact {
         energies.contact = touch.energy(model, law, &nodes);
-        report.deepest_penetration = touch.deepest(law);
+        report.deepest_penetration = overlap::deepest(model, law, state, touch);
         report.contacts = touch.proximities.len() as u64;
     }
     report.largest_strain = (0..model.stretch.count())

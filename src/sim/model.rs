@@ -1,10 +1,12 @@
 //! All that stays constant in a run.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Rotation3, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use crate::contact::{Features, Obstacle, Velocity};
+use crate::contact::{Features, Motion, Obstacle, Velocity};
 use crate::fabric::Fabric;
 use crate::physics::Potential;
 use crate::physics::bend::Bend;
@@ -13,10 +15,11 @@ use crate::physics::damping::Damping;
 use crate::physics::gravity::Gravity;
 use crate::physics::stretch::Stretch;
 use crate::physics::support::Support;
-use crate::scene::{Axis, Region, Scene, SupportKind, Term, needs};
+use crate::scene::{Axis, Region, Scene, Scheme, SupportKind, Term, needs};
 use crate::sheet::{Mesh, MeshOptions, generate};
 
 use super::air::Air;
+use super::carry::Carried;
 use super::command::AirRegion;
 use super::dofs::Dofs;
 
@@ -47,8 +50,14 @@ pub struct Model {
     pub drag: bool,
     /// What holds the sheet.
     pub supports: Vec<Support>,
+    /// What moving supports carry along.
+    pub carried: Vec<Carried>,
+    /// Motions that the scene prescribes for obstacles, by name.
+    pub motions: BTreeMap<String, Motion>,
     /// The contact law, if the scene has obstacles or commands may add some.
     pub contact: Option<ContactLaw>,
+    /// Length of the longest edge of the flat mesh \[m\].
+    pub longest_edge: f64,
     /// Incidence for contact detection.
     pub features: Features,
     /// Numbering of the unknowns.
@@ -91,8 +100,13 @@ impl Model {
         let supports: Vec<Support> = supports(scene, &mesh);
         let needs = needs(scene);
         let needed = |wanted| needs.iter().any(|(term, _)| *term == wanted);
-        let contact =
-            needed(Term::Contact).then(|| ContactLaw::new(weight, stiffness, fabric.thickness));
+        let contact = needed(Term::Contact).then(|| {
+            let law = ContactLaw::new(weight, stiffness, fabric.thickness);
+            match scene.method.scheme {
+                Scheme::CentralDifference => law,
+                _ => law.stiffening(),
+            }
+        });
         let (turn, shift) = placement(scene);
         let start_gravity = (0..masses.len())
             .map(|v| {
@@ -100,8 +114,10 @@ impl Model {
                 gravity.value(v, &[turn * Vector3::new(p.x, p.y, 0.0) + shift])
             })
             .sum();
-        Self {
+        let mut model = Self {
             start_gravity,
+            carried: vec![],
+            motions: motions(scene),
             stretch: Stretch::new(&mesh, membrane),
             bend: Bend::new(&mesh, fabric.bending()),
             gravity,
@@ -109,6 +125,9 @@ impl Model {
             contact,
             drag: needed(Term::Drag),
             features: Features::new(&mesh),
+            longest_edge: (0..mesh.edges.len())
+                .map(|e| mesh.edge_length(e))
+                .fold(0.0, f64::max),
             dofs: Dofs::new(&mesh, &supports),
             readings: readings(scene, &mesh),
             scene: scene.clone(),
@@ -117,7 +136,10 @@ impl Model {
             masses,
             weight,
             supports,
-        }
+        };
+        let (start, vertices) = (model.start(), model.masses.len());
+        model.carried = Carried::all(scene, &model.supports, &start, vertices);
+        model
     }
 
     /// Nodes (vertex positions \[m\], then edge slopes) at the start: flat, placed, perturbed, supports displaced.
@@ -150,6 +172,7 @@ impl Model {
             let n = self.mesh.edge_normal(e);
             turn * (yarns * Vector3::new(n.x, n.y, 0.0))
         }));
+        self.place_supports(&mut nodes, 0.0);
         nodes
     }
 
@@ -158,15 +181,22 @@ impl Model {
         self.scene
             .obstacle
             .iter()
-            .map(|(name, spec)| Obstacle {
-                name: name.clone(),
-                shape: spec.shape.clone(),
-                pose: spec.pose(),
-                velocity: Velocity {
+            .map(|(name, spec)| {
+                let constant = Velocity {
                     linear: spec.linear_velocity.into(),
                     angular: spec.angular_velocity.into(),
-                },
-                friction: spec.friction,
+                };
+                let motion = self.motions.get(name).map(|motion| motion.at(0.0));
+                let (pose, velocity) = motion.unwrap_or((spec.pose(), constant));
+                Obstacle {
+                    name: name.clone(),
+                    shape: spec.shape.clone(),
+                    pose,
+                    velocity,
+                    friction: spec.friction,
+                    scripted: spec.motion.is_some(),
+                    ..Obstacle::default()
+                }
             })
             .collect()
     }
@@ -191,6 +221,13 @@ impl Model {
             ..Air::default()
         }
     }
+}
+
+fn motions(scene: &Scene) -> BTreeMap<String, Motion> {
+    let specs = scene.obstacle.iter();
+    specs
+        .filter_map(|(name, spec)| Some((name.clone(), spec.motion()?)))
+        .collect()
 }
 
 fn rotation(degrees: &[f64; 3]) -> Rotation3<f64> {

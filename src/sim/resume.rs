@@ -7,7 +7,7 @@ use super::command::Rejected;
 use super::model::Model;
 use super::simulation::Simulation;
 use super::state::State;
-use crate::contact::obstacle_of;
+use crate::contact::{Obstacle, obstacle_of};
 
 /// Why a state does not fit the simulation that should go on from it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -138,6 +138,10 @@ fn obstacles(model: &Model, state: &State) -> Result<(), Mismatch> {
         admit::obstacle(&mut obstacle.clone())?;
     }
     if !obstacles.is_sorted_by(|a, b| a.name < b.name) {
+        return Err(Mismatch::Order { field: "obstacles" });
+    }
+    let follows = |o: &Obstacle| !o.scripted || model.motions.contains_key(&o.name);
+    if !obstacles.iter().all(follows) || state.began > state.step {
         return Err(Mismatch::Order { field: "obstacles" });
     }
     let known = |key: u64| (obstacle_of(key) as usize) < obstacles.len();

@@ -1,5 +1,6 @@
 //! A model with its state, and the step (DESIGN section 6).
 
+use super::command::Rejected;
 use super::equilibrium::{Equilibrium, equilibrium_step};
 use super::implicit::Implicit;
 use super::integrate::Rule;
@@ -27,6 +28,9 @@ pub enum Refused {
         /// Stable limit \[s\].
         limit: f64,
     },
+    /// An obstacle stands in the cloth.
+    #[error("at the start: {0}")]
+    World(#[from] Rejected),
     /// The fabric cannot be one.
     #[error(transparent)]
     Fabric(#[from] FabricError),
@@ -55,7 +59,7 @@ impl Simulation {
     pub fn new(scene: &Scene, threads: usize) -> Result<Self, Refused> {
         let fabric = scene.fabric.resolve()?;
         let model = Model::new(scene, fabric);
-        let (state, touch) = start::start(&model);
+        let (state, touch) = start::start(&model)?;
         let method = &scene.method;
         let engine = match (Rule::of(method), method.solver) {
             (Some(_), Solver::Xpbd) => {

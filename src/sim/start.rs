@@ -3,20 +3,26 @@
 use nalgebra::Vector3;
 
 use super::air::Breeze;
+use super::command::Rejected;
 use super::kernel::{Kernel, Lanes, add, lanes, vector};
 use super::model::Model;
+use super::overlap;
 use super::slopes::SlopeSolver;
 use super::state::{History, Ledger, State};
 use super::touch::Touch;
 use crate::physics::Potential;
 
 /// Start state at rest, slopes relaxed, with its contacts and accelerations.
-pub fn start(model: &Model) -> (State, Touch) {
+///
+/// # Errors
+/// An obstacle stands in the cloth, and the scene refuses that.
+pub fn start(model: &Model) -> Result<(State, Touch), Rejected> {
     let mut nodes = model.start();
     SlopeSolver::new(model).relax(model, &mut nodes);
     let vertices = model.masses.len();
     let mut state = State {
         step: 0,
+        began: 0,
         positions: nodes[..vertices].to_vec(),
         velocities: vec![Vector3::zeros(); vertices],
         slopes: nodes[vertices..].to_vec(),
@@ -27,6 +33,8 @@ pub fn start(model: &Model) -> (State, Touch) {
         bonds: vec![],
         ledger: Ledger::default(),
     };
+    model.hold(&mut state, 0.0);
+    overlap::enter_all(model, &mut state)?;
     let touch = Touch::of(model, &state, None);
     let mut forces = vec![[0.0; 4]; nodes.len()];
     let in_lanes: Vec<Lanes> = nodes.iter().map(lanes).collect();
@@ -48,5 +56,5 @@ pub fn start(model: &Model) -> (State, Touch) {
             model.dofs.free(v, pull) / model.masses[v]
         })
         .collect();
-    (state, touch)
+    Ok((state, touch))
 }

@@ -10,6 +10,8 @@ use crate::contact::{Obstacle, obstacle_of, with_obstacle};
 pub struct State {
     /// Index of the last step taken; time is `step * dt`.
     pub step: u64,
+    /// Index of the step at which the run began, or was reset last: prescribed motions count from there.
+    pub began: u64,
     /// Vertex positions \[m\], world frame, shape \[vertices\].
     pub positions: Vec<Vector3<f64>>,
     /// Vertex velocities \[m/s\], shape \[vertices\].

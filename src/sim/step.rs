@@ -9,13 +9,17 @@ use super::model::Model;
 use super::report::{StepReport, Work};
 use super::state::State;
 use super::touch::Touch;
+use super::travel;
 use crate::math::newton::{Limits, OVERSHOOT};
 use crate::scene::{Solver, StableLimit};
 
 /// Distance from the origin beyond which a vertex counts as lost \[m\].
 const FAR: f64 = 1e6;
-/// Smallest part of a step that is tried: 1/64.
-const TICKS: u32 = 64;
+/// Smallest part of a step that is tried: 1/4096.
+const TICKS: u32 = 4096;
+
+/// Substeps of an explicit step beyond which it is not repeated smaller for speed.
+const MOST_PARTS: u64 = 1 << 16;
 
 /// Iterations of `quasi-newton` in place of one of `newton`; about what they cost.
 const QUASI_NEWTON_ITERATIONS: usize = 25;
@@ -64,7 +68,11 @@ pub fn implicit_step(
     let (mut done, mut size) = (0, TICKS);
     let mut touch = Touch::default();
     while done < TICKS {
-        let dt = method.dt * f64::from(size) / f64::from(TICKS);
+        let part = |size: u32| method.dt * f64::from(size) / f64::from(TICKS);
+        while size > 1 && travel::ahead(model, state, part(size)) > 1.0 {
+            size /= 2;
+        }
+        let dt = part(size);
         let within = method.dt * f64::from(done) / f64::from(TICKS);
         let solved = solver.solve(model, state, rule, (within, dt), &limits);
         count(&solved, report);
@@ -72,6 +80,11 @@ pub fn implicit_step(
             if size == 1 {
                 return Err(diverged(model, state, &solved, dt));
             }
+            report.work.rejected += 1;
+            size /= 2;
+            continue;
+        }
+        if size > 1 && went_far(model, state, rule, &solved, (within, dt)) {
             report.work.rejected += 1;
             size /= 2;
             continue;
@@ -84,6 +97,23 @@ pub fn implicit_step(
         }
     }
     Ok(touch)
+}
+
+/// Whether the sheet and an obstacle moved against each other so far that one may have passed the other.
+fn went_far(
+    model: &Model,
+    state: &State,
+    rule: Rule,
+    solved: &Solved,
+    (within, dt): (f64, f64),
+) -> bool {
+    if state.obstacles.is_empty() {
+        return false;
+    }
+    let mut end = state.clone();
+    take(model, &mut end, rule, solved, (within, dt));
+    let places = [&state.positions[..], &end.positions];
+    travel::taken(model, places, [&state.obstacles, &end.obstacles]) > 2.0
 }
 
 fn count(solved: &Solved, report: &mut StepReport) {
@@ -113,22 +143,35 @@ fn advance(
     let pushed = solved
         .touch
         .work_of_obstacles(model, &state.obstacles, &solved.nodes);
-    let slipped = take(state, rule, solved, dt);
+    let held = model.held_kinetic(state);
+    let slipped = take(model, state, rule, solved, (within, dt));
     let after = powers(state, within + dt);
+    let accelerated = model.held_kinetic(state) - held;
     let ledger = &mut state.ledger;
     ledger.damping += 0.5 * dt * (before[0] + after[0]);
     ledger.air += 0.5 * dt * (before[1] + after[1]);
     ledger.friction += slipped;
     // Contact acts from the start of the step to where its forces are taken, and on to the end.
-    ledger.supports += pushed / solved.map.fraction;
+    ledger.supports += pushed / solved.map.fraction + solved.support_work + accelerated;
 }
 
-/// Takes the state to the end of a solved step; returns the energy that slip took out \[J\].
-pub fn take(state: &mut State, rule: Rule, solved: &Solved, dt: f64) -> f64 {
+/// Takes the state to the end of a solved step, which starts `within` the outer one and takes `dt`; returns the energy
+/// that slip took out \[J\].
+pub fn take(
+    model: &Model,
+    state: &mut State,
+    rule: Rule,
+    solved: &Solved,
+    (within, dt): (f64, f64),
+) -> f64 {
     let (bonds, slipped) = solved.touch.settle(&solved.nodes);
     rule.advance(state, &solved.map, &solved.nodes, dt);
     state.bonds = bonds;
-    state.obstacles.iter_mut().for_each(|o| o.advance(dt));
+    if rule != Rule::GradientFlow {
+        let time = model.script_time(state, within + dt);
+        model.move_obstacles(&mut state.obstacles, time, dt);
+        model.hold(state, time);
+    }
     slipped
 }
 
@@ -177,11 +220,22 @@ pub fn explicit_step(
         StableLimit::Keep => explicit.substep(model, state, substep, report.dt),
         StableLimit::Ignore => substep,
     };
-    let parts = parts(report.dt, substep);
-    let dt = report.dt / parts as f64;
-    let touch = explicit.advance(model, state, dt, parts);
-    report.work.substeps = parts;
-    report.work.evaluations = parts;
+    let keeps = model.scene.method.limit == StableLimit::Keep;
+    let mut parts = parts(report.dt, substep);
+    let start = state.clone();
+    let (touch, dt) = loop {
+        let dt = report.dt / parts as f64;
+        let (touch, haste) = explicit.advance(model, state, dt, parts);
+        report.work.substeps += parts;
+        report.work.evaluations += parts;
+        if haste <= 1.0 || !haste.is_finite() || parts >= MOST_PARTS || !keeps {
+            break (touch, dt);
+        }
+        // Too fast to be seen coming: once more in smaller substeps.
+        report.work.rejected += 1;
+        parts = (parts as f64 * (1.2 * haste).min(16.0)).ceil() as u64;
+        state.clone_from(&start);
+    };
     let advice = "leave method.substep out, or try one below";
     found(model, state, dt, advice).map(|()| touch)
 }

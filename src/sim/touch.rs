@@ -214,6 +214,11 @@ impl Touch {
             );
             y - (from.pose * to.pose.inverse_transform_point(&(*y).into())).coords
         };
+        let drawn_out = |near: &Proximity| {
+            let [before, now] =
+                [start, &self.obstacles].map(|list| list[near.obstacle as usize].overlap.depth);
+            before - now
+        };
         let at = |near: &Proximity| {
             weighted(
                 &near.weights,
@@ -224,8 +229,9 @@ impl Touch {
             .proximities
             .iter()
             .map(|near| {
-                let force = near.distance.normal * law.normal_force(near);
-                force.dot(&moved(near, &at(near)))
+                let load = law.normal_force(near);
+                let force = near.distance.normal * load;
+                force.dot(&moved(near, &at(near))) + load * drawn_out(near)
             })
             .sum();
         let friction = Friction { bonds: &self.bonds };
@@ -248,7 +254,7 @@ impl Touch {
         normal + tangential
     }
 
-    /// Deepest point of the cloth's surface inside an obstacle \[m\], not negative.
+    /// Deepest point of the cloth's surface inside an obstacle, as its surface acts now \[m\], not negative.
     pub fn deepest(&self, law: &ContactLaw) -> f64 {
         self.proximities
             .iter()

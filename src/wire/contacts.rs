@@ -20,10 +20,15 @@ const LONGEST_ARROW: f64 = 0.03;
 /// Diameter at which a contact point is drawn \[m\].
 const DOT: f64 = 0.002;
 
+/// How often it is said that contacts persist, in simulated time \[Hz\].
+const PERSIST_RATE: f64 = 10.0;
+
 /// Remembers the contacts of the output before, to tell what begins, persists and ends.
 #[derive(Clone, Debug, Default)]
 pub struct ContactWatch {
     before: Vec<ContactPoint>,
+    /// Time of the output before, in turns of [`PERSIST_RATE`]; `None` before the first.
+    turn: Option<f64>,
 }
 
 impl ContactWatch {
@@ -37,10 +42,17 @@ impl ContactWatch {
         with_markers: bool,
     ) -> Result<Vec<Packet>, CdrError> {
         let mut packets = vec![];
-        let events = events(&self.before, &contacts);
+        let turn = Some((time * PERSIST_RATE).floor());
+        let all = self.turn != turn;
+        self.turn = turn;
+        let (events, persisting) = events(&self.before, &contacts, all);
         if !events.is_empty() {
             let header = header(time);
-            let message = ContactEvents { header, events };
+            let message = ContactEvents {
+                header,
+                events,
+                persisting,
+            };
             packets.push(packet(&channels::CONTACTS, time, &message)?);
         }
         for obstacle in obstacles {
@@ -62,11 +74,21 @@ fn by_key(contacts: &[ContactPoint]) -> BTreeMap<(&str, u64), &ContactPoint> {
     keyed.collect()
 }
 
-fn events(before: &[ContactPoint], now: &[ContactPoint]) -> Vec<ContactEvent> {
+/// What begins and ends, with all that persists or how many those are.
+fn events(
+    before: &[ContactPoint],
+    now: &[ContactPoint],
+    with_persisting: bool,
+) -> (Vec<ContactEvent>, u32) {
+    let mut persisting = 0;
     let (before, now) = (by_key(before), by_key(now));
     let mut events: BTreeMap<(&str, u64), ContactEvent> = BTreeMap::new();
     for (key, contact) in &now {
         let phase = match before.contains_key(key) {
+            true if !with_persisting => {
+                persisting += 1;
+                continue;
+            }
             true => ContactEvent::PERSIST,
             false => ContactEvent::BEGIN,
         };
@@ -74,7 +96,7 @@ fn events(before: &[ContactPoint], now: &[ContactPoint]) -> Vec<ContactEvent> {
     }
     let ended = before.iter().filter(|(key, _)| !now.contains_key(key));
     events.extend(ended.map(|(key, contact)| (*key, event(ContactEvent::END, contact))));
-    events.into_values().collect()
+    (events.into_values().collect(), persisting)
 }
 
 fn event(phase: u8, contact: &ContactPoint) -> ContactEvent {
@@ -88,6 +110,7 @@ fn event(phase: u8, contact: &ContactPoint) -> ContactEvent {
         normal_force: contact.normal_force,
         friction_force: wire_vector(&contact.friction_force),
         slip_velocity: wire_vector(&contact.slip_velocity),
+        overlap: contact.overlap,
     }
 }
 

@@ -6,7 +6,7 @@ use super::inbound::Malformed;
 use super::messages::geometry_msgs;
 use super::messages::toile_msgs::{Air as WireAir, Keyframe, Obstacle as WireObstacle};
 use super::{header, obstacles};
-use crate::contact::{Obstacle, Pose, Shape, Velocity};
+use crate::contact::{Obstacle, Overlap, Pose, Shape, Velocity};
 use crate::sim::{Air, AirRegion, History, Ledger, Memory, State};
 
 /// A state with its digest, at its simulated time \[s\].
@@ -22,6 +22,7 @@ pub fn keyframe(state: &State, digest: u64, time: f64) -> Keyframe {
     Keyframe {
         header: header(time),
         step: state.step,
+        began: state.began,
         digest,
         positions: flat(&state.positions),
         velocities: flat(&state.velocities),
@@ -60,6 +61,7 @@ pub fn state(keyframe: &Keyframe) -> Result<State, Malformed> {
     let obstacles: Result<_, _> = keyframe.obstacles.iter().map(read).collect();
     Ok(State {
         step: keyframe.step,
+        began: keyframe.began,
         positions: vectors("positions", &keyframe.positions)?,
         velocities: vectors("velocities", &keyframe.velocities)?,
         slopes: vectors("slopes", &keyframe.slopes)?,
@@ -153,6 +155,9 @@ fn obstacle(obstacle: &Obstacle) -> WireObstacle {
         pose: obstacles::wire_pose(&obstacle.pose),
         twist: obstacles::wire_twist(&obstacle.velocity),
         friction: obstacle.friction,
+        scripted: obstacle.scripted,
+        overlap_depth: obstacle.overlap.depth,
+        overlap_speed: obstacle.overlap.speed,
     }
 }
 
@@ -182,5 +187,10 @@ fn read(obstacle: &WireObstacle) -> Result<Obstacle, Malformed> {
             angular: vector(&obstacle.twist.angular),
         },
         friction: obstacle.friction,
+        scripted: obstacle.scripted,
+        overlap: Overlap {
+            depth: obstacle.overlap_depth,
+            speed: obstacle.overlap_speed,
+        },
     })
 }

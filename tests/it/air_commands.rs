@@ -84,6 +84,7 @@ fn a_resumed_run_and_a_reset_one_have_the_same_wind() {
         let mut again = fresh.state().clone();
         again.step = kept.step;
         again.air.since = kept.air.since;
+        again.began = kept.began;
         assert_eq!(again.digest(), kept.digest(), "{scheme:?}");
         assert_eq!(again.positions, kept.positions, "{scheme:?}");
     }

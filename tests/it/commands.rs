@@ -29,8 +29,8 @@ pub fn plate(name: &str, top: f64, friction: f64) -> Obstacle {
             size: [0.3, 0.3, 0.02],
         },
         pose: Pose::translation(0.0, 0.0, top - 0.01),
-        velocity: Velocity::default(),
         friction,
+        ..Obstacle::default()
     }
 }
 
@@ -202,6 +202,7 @@ fn a_reset_run_is_the_same_again() {
         assert_eq!(second.time, 2.0 * report.time);
         again.step = first.step;
         again.air.since = first.air.since;
+        again.began = first.began;
         assert_eq!(again.digest(), first.digest(), "{scheme:?}");
         assert_eq!(second.energies, report.energies, "{scheme:?}");
     }
@@ -256,7 +257,7 @@ fn moved(pose: Option<Pose>, velocity: Option<Velocity>) -> Command {
 
 #[test]
 fn a_rejected_command_names_field_value_and_range_and_changes_nothing() {
-    let mut simulation = simulation(&sheet(Scheme::Bdf2, &[]));
+    let mut simulation = simulation(&sheet(Scheme::Bdf2, &["overlap.rule=refuse"]));
     add(&mut simulation, plate("plate", -2.45e-4, 0.3));
     run(&mut simulation, 0.01);
     let with = |change: &dyn Fn(&mut Obstacle)| {

@@ -72,6 +72,7 @@ fn contact(obstacle: &str, key: u64, point: [f64; 3], force: f64) -> ContactPoin
         normal_force: force,
         friction_force: Vector3::new(0.5, 0.0, 0.0),
         slip_velocity: Vector3::zeros(),
+        overlap: false,
     }
 }
 
@@ -83,6 +84,7 @@ fn obstacle(name: &str) -> Obstacle {
         pose: Pose::new(Vector3::new(1.0, 0.0, 0.0), quarter),
         velocity: Velocity::default(),
         friction: 0.0,
+        ..Obstacle::default()
     }
 }
 
@@ -103,8 +105,12 @@ fn verify_a_wrench_is_about_the_origin_in_the_axes_of_the_obstacle() {
 }
 
 /// Phases of the events of an output, by obstacle and key; nothing if there was no message.
-fn phases(watch: &mut ContactWatch, contacts: Vec<ContactPoint>) -> Vec<(String, u64, u8)> {
-    let packets = watch.packets(&[], contacts, 0.0, false).expect("encodes");
+fn phases(
+    watch: &mut ContactWatch,
+    contacts: Vec<ContactPoint>,
+    time: f64,
+) -> Vec<(String, u64, u8)> {
+    let packets = watch.packets(&[], contacts, time, false).expect("encodes");
     let mut messages = packets.iter().filter(|p| p.channel == &channels::CONTACTS);
     let events = messages.next().map_or(vec![], |packet| {
         let message: ContactEvents = cdr::decode(&packet.bytes).expect("decodes");
@@ -119,19 +125,22 @@ fn contacts_begin_persist_and_end() {
     let mut watch = ContactWatch::default();
     let [a, b, c] = [("a", 1), ("b", 1), ("b", 2)].map(|(o, k)| contact(o, k, [0.0; 3], 1.0));
     let event = |o: &str, k, phase| (o.to_string(), k, phase);
-    assert!(phases(&mut watch, vec![]).is_empty());
-    let first = phases(&mut watch, vec![c.clone(), a.clone()]);
+    assert!(phases(&mut watch, vec![], 0.0).is_empty());
+    let first = phases(&mut watch, vec![c.clone(), a.clone()], 0.01);
     let begin = ContactEvent::BEGIN;
     assert_eq!(first, [event("a", 1, begin), event("b", 2, begin)]);
-    let second = phases(&mut watch, vec![b, c]);
+    let second = phases(&mut watch, vec![b.clone(), c.clone()], 0.11);
     let expected = [
         event("a", 1, ContactEvent::END),
         event("b", 1, begin),
         event("b", 2, ContactEvent::PERSIST),
     ];
     assert_eq!(second, expected);
-    assert_eq!(phases(&mut watch, vec![]).len(), 2);
-    assert!(phases(&mut watch, vec![]).is_empty());
+    // Within the same tenth of a second, what goes on is not said again.
+    assert!(phases(&mut watch, vec![b.clone(), c.clone()], 0.15).is_empty());
+    assert_eq!(phases(&mut watch, vec![b, c], 0.2).len(), 2);
+    assert_eq!(phases(&mut watch, vec![], 0.21).len(), 2);
+    assert!(phases(&mut watch, vec![], 0.3).is_empty());
 }
 
 #[test]
@@ -178,4 +187,89 @@ fn a_removed_obstacle_has_no_contacts() {
         simulation.apply(&remove).expect("accepted");
         assert!(simulation.contacts().is_empty());
     }
+}
+
+/// Newton's third law, in motion: what the contacts do to the cloth is what its momentum, weight and damping say, and
+/// the wrenches on the obstacles are the opposite.
+#[test]
+fn verify_contact_forces_close_the_balance_of_momentum() {
+    let ball = "obstacle.ball={ shape = { kind = \"sphere\", radius = 0.02 }, position = [0.01, 0.0, -0.0215], friction = 0.4 }";
+    let set = ["damping=0.3", "method.tolerance=1e-9", ball];
+    let mut simulation = simulation(&crate::commands::sheet(toile::scene::Scheme::Bdf2, &set));
+    for step in 0..60 {
+        simulation.step().expect("converges");
+        let (model, state) = (simulation.model(), simulation.state());
+        let balance: Vector3<f64> = (0..model.masses.len())
+            .map(|v| {
+                let (mass, area) = (model.masses[v], model.mesh.vertex_areas[v]);
+                let weight = Vector3::new(0.0, 0.0, -9.81 * mass);
+                state.history.accelerations[v] * mass + state.velocities[v] * (0.3 * area) - weight
+            })
+            .sum();
+        let contacts = simulation.contacts();
+        let given = total(&contacts, ContactPoint::force);
+        let wrench = wrench(&state.obstacles[0], &contacts, 0.0).wrench.force;
+        let taken = Vector3::new(wrench.x, wrench.y, wrench.z);
+        let open = (balance - given).norm() / model.weight;
+        if step % 10 == 0 {
+            println!(
+                "{} contacts, {:.2} weights, {open:.1e} open",
+                contacts.len(),
+                given.norm() / model.weight
+            );
+        }
+        assert!(open < 1e-8, "step {step}: {open}");
+        assert!(
+            (taken + given).norm() < 1e-14 * given.norm().max(1e-9),
+            "{taken} {given}"
+        );
+    }
+    assert!(!simulation.contacts().is_empty());
+}
+
+/// A draped sheet at rest weighs its weight on the table.
+#[test]
+fn verify_a_draped_sheet_weighs_its_weight() {
+    let set = [
+        "sheet.triangles=150",
+        "damping=3.0",
+        "duration=4",
+        "method.dt=0.02",
+    ];
+    let mut simulation = simulation(&built_in("drape-table", &set));
+    let mut forces = vec![];
+    for step in 0..200 {
+        simulation.step().expect("is stable");
+        if step >= 150 {
+            let force = wrench(
+                &simulation.state().obstacles[0],
+                &simulation.contacts(),
+                0.0,
+            )
+            .wrench
+            .force;
+            forces.push(-force.z / weight(&simulation));
+        }
+    }
+    let mean = forces.iter().sum::<f64>() / forces.len() as f64;
+    println!("{mean:.6} of the weight, from {forces:?}");
+    assert!((mean - 1.0).abs() < 1e-3, "{mean}");
+}
+
+/// No buffer ends: thousands of contacts are all there, and all of them are in the wrench.
+#[test]
+fn thousands_of_contacts_are_all_counted() {
+    let plane = "obstacle.plane={ shape = { kind = \"plane\" }, position = [0.0, 0.0, -2.4e-4] }";
+    let set = ["sheet.triangles=20000", plane];
+    let simulation = simulation(&crate::commands::sheet(toile::scene::Scheme::Bdf2, &set));
+    let contacts = simulation.contacts();
+    assert_eq!(contacts.len(), simulation.model().masses.len());
+    assert_eq!(contacts.len() as u64, simulation.report().contacts);
+    let each = contacts[0].normal_force;
+    let wrench = wrench(&simulation.state().obstacles[0], &contacts, 0.0)
+        .wrench
+        .force;
+    let sum = each * contacts.len() as f64;
+    assert!(each > 0.0 && contacts.len() > 9000, "{}", contacts.len());
+    assert!((wrench.z / sum + 1.0).abs() < 1e-9, "{} {sum}", wrench.z);
 }

@@ -106,6 +106,7 @@ fn assert_sane(command: &Command) {
             pose,
             velocity,
             friction,
+            ..
         }) => {
             assert!((1..=64).contains(&name.len()));
             shaped(shape);

@@ -40,6 +40,7 @@ fn table() -> Obstacle {
             angular: Vector3::zeros(),
         },
         friction: 0.0,
+        ..Obstacle::default()
     }
 }
 

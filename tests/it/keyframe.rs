@@ -41,6 +41,7 @@ fn in_motion(scheme: &str) -> Simulation {
             angular: Vector3::new(3.0, 2.0, 1.0),
         },
         friction: 0.5,
+        ..Obstacle::default()
     };
     for command in [Command::Blow(gust), Command::AddObstacle(capsule)] {
         simulation.apply(&command).expect("accepted");

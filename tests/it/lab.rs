@@ -101,6 +101,16 @@ impl Table {
             .unwrap()
     }
 
+    /// Where column `of` first reaches a value, in column `wanted`: linear between the rows around it.
+    pub fn inverse(&self, of: &str, wanted: &str, value: f64) -> f64 {
+        let pair = |row: Row<'_>| [row.get(of), row.get(wanted)];
+        let rows: Vec<[f64; 2]> = self.rows(&[]).map(pair).collect();
+        let around = |p: &&[[f64; 2]]| p[0][0] <= value && value <= p[1][0];
+        let found = rows.windows(2).find(around).unwrap();
+        let [[a, from], [b, to]] = [found[0], found[1]];
+        from + (to - from) * (value - a) / (b - a)
+    }
+
     /// The rows whose cells read as given.
     pub fn rows(&self, wanted: &[(&str, &str)]) -> impl Iterator<Item = Row<'_>> {
         let wanted: Vec<_> = wanted

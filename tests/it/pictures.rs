@@ -55,6 +55,7 @@ fn obstacle(shape: Shape, at: [f64; 3]) -> Obstacle {
         pose: Pose::translation(at[0], at[1], at[2]),
         velocity: Velocity::default(),
         friction: 0.0,
+        ..Obstacle::default()
     }
 }
 

@@ -174,12 +174,31 @@ a = { kind = "pin", region = { kind = "boundary" }, axes = "xz", displacement = 
 b = { kind = "clamp", region = { kind = "box", min = [0.0, 0.0], max = [0.1, 0.1] } }
 c = { kind = "clamp", region = { kind = "disc", diameter = 0.1 } }
 d = { kind = "pin", region = { kind = "point", at = [0.1, 0.0] } }
+[support.e]
+kind = "pin"
+region = { kind = "point", at = [0.0, 0.1] }
+[support.e.motion]
+law = "smooth"
+times = [0.0, 1.0]
+displacements = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.1]]
+rotations = [[0.0, 0.0, 0.0], [0.0, 0.0, 45.0]]
 [obstacle]
 plane = { shape = { kind = "plane" }, position = [0.0, 0.0, -1.0], rotation = [0.0, 5.0, 0.0] }
 ball = { shape = { kind = "sphere", radius = 0.1 }, linear_velocity = [0.1, 0.0, 0.0] }
 plate = { shape = { kind = "disc", radius = 0.1 }, angular_velocity = [0.0, 0.0, 1.0] }
 post = { shape = { kind = "cylinder", radius = 0.1, length = 0.2 }, friction = 0.2 }
 pill = { shape = { kind = "capsule", radius = 0.1, length = 0.2 } }
+[obstacle.jaw]
+shape = { kind = "disc", radius = 0.1 }
+[obstacle.jaw.motion]
+law = "linear"
+times = [0.0, 1.0]
+positions = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.1]]
+rotations = [[0.0, 0.0, 0.0], [0.0, 0.0, 45.0]]
+[overlap]
+rule = "refuse"
+time = 0.1
+speed = 0.2
 [air]
 fluid_damping = 0.5
 velocity = [1.0, 0.0, -2.0]

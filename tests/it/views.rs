@@ -76,6 +76,7 @@ fn urdf(shape: Shape) -> String {
         pose: Pose::identity(),
         velocity: Velocity::default(),
         friction: 0.0,
+        ..Obstacle::default()
     };
     robot_description(&[obstacle])
 }

@@ -68,7 +68,8 @@ fn work_of_a_pinned_square() {
     );
 }
 
-/// Contact, friction, and folds that snap: steps are repeated, tangents are indefinite.
+/// Contact, friction, and folds that snap: steps are repeated, tangents are indefinite. Implicit steps are parted where
+/// they would carry the sheet far against the table.
 #[test]
 fn work_of_a_drape_over_a_table() {
     let set = ["sheet.triangles=200", "duration=0.1", "method.dt=0.005"];
@@ -76,16 +77,16 @@ fn work_of_a_drape_over_a_table() {
     assert_eq!(
         work("drape-table", &implicit),
         Work {
-            substeps: 20,
+            substeps: 29,
             rejected: 0,
-            iterations: 203,
-            evaluations: 338,
-            factorisations: 206,
+            iterations: 271,
+            evaluations: 423,
+            factorisations: 274,
             indefinite: 3,
             constant: 0,
             tests: 0,
-            solves: 203,
-            halvings: 115,
+            solves: 271,
+            halvings: 123,
         }
     );
     let explicit = work("drape-table", &set);

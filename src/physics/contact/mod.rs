@@ -11,6 +11,8 @@ use crate::sheet::Mesh;
 
 /// Depth at which the whole weight of the sheet on one contact comes to rest \[m\].
 pub const DEPTH: f64 = 5e-5;
+/// Stiffness of deep contact over that of a shallow one.
+const FIRMNESS: f64 = 100.0;
 /// Depth over which the stiffness sets in \[m\].
 const ONSET: f64 = 1e-5;
 
@@ -24,6 +26,9 @@ pub struct ContactLaw {
     pub grip: f64,
     /// Half the cloth thickness \[m\].
     pub offset: f64,
+    /// Depth from which on contact stiffens \[m\], so that no force brings the middle surface to the obstacle; infinite
+    /// where the scheme stops it by impulses instead.
+    pub firm: f64,
 }
 
 impl ContactLaw {
@@ -34,6 +39,41 @@ impl ContactLaw {
             stiffness,
             grip: 0.1 * stiffness,
             offset: 0.5 * thickness,
+            firm: f64::INFINITY,
+        }
+    }
+
+    /// Depth that no contact should pass \[m\]: half way to the middle surface, for cloth that is not thinner than
+    /// contact is soft.
+    pub fn limit(&self) -> f64 {
+        (0.5 * self.offset).max(2.0 * DEPTH)
+    }
+
+    /// The law that stiffens from there on.
+    pub fn stiffening(self) -> Self {
+        Self {
+            firm: self.limit(),
+            ..self
+        }
+    }
+
+    /// What stiffening adds to psi, psi' and psi'' at a depth: psi'' rises by [`FIRMNESS`] k over a depth w.
+    fn firmness(&self, depth: f64) -> [f64; 3] {
+        let (t, w, k) = (
+            depth - self.firm,
+            0.5 * self.firm,
+            FIRMNESS * self.stiffness,
+        );
+        if t <= 0.0 {
+            [0.0; 3]
+        } else if t < w {
+            [k * t * t * t / (6.0 * w), -0.5 * k * t * t / w, k * t / w]
+        } else {
+            [
+                0.5 * k * (t * t - w * t + w * w / 3.0),
+                -k * (t - 0.5 * w),
+                k,
+            ]
         }
     }
 
@@ -46,10 +86,11 @@ impl ContactLaw {
             let d = -gap;
             [k * d * d * d / (6.0 * e), -0.5 * k * d * d / e, k * d / e]
         } else {
+            let firm = self.firmness(-gap);
             [
-                0.5 * k * (gap * gap + e * gap + e * e / 3.0),
-                k * (gap + 0.5 * e),
-                k,
+                0.5 * k * (gap * gap + e * gap + e * e / 3.0) + firm[0],
+                k * (gap + 0.5 * e) + firm[1],
+                k + firm[2],
             ]
         }
     }

@@ -11,6 +11,7 @@ const LAW: ContactLaw = ContactLaw {
     stiffness: 2e3,
     grip: 2e2,
     offset: 1e-3,
+    firm: f64::INFINITY,
 };
 
 fn mesh() -> Mesh {
@@ -40,6 +41,7 @@ fn obstacle(shape: &Shape, pose: Pose) -> Obstacle {
         pose,
         velocity: Velocity::default(),
         friction: 0.3,
+        ..Obstacle::default()
     }
 }
 
@@ -229,4 +231,26 @@ fn stiffness_carries_the_weight() {
     let law = ContactLaw::new(0.08, 100.0, 4.9e-4);
     assert_eq!((law.stiffness, law.offset), (0.08 / super::DEPTH, 2.45e-4));
     assert_eq!(ContactLaw::new(0.08, 2e3, 4.9e-4).stiffness, 2e3);
+}
+
+/// The law that stiffens is as smooth as the other, the same where that is shallow, and a hundred times as stiff deep.
+#[test]
+fn a_stiffening_law_has_its_derivatives_and_keeps_the_shallow_ones() {
+    let firm = LAW.stiffening();
+    let limit = firm.limit();
+    for depth in [0.2, 0.9, 1.1, 1.3, 1.49, 1.51, 3.0].map(|part| part * limit) {
+        let e = 1e-5 * limit;
+        let [below, at, above] = [depth + e, depth, depth - e].map(|d| firm.psi(-d));
+        for k in 0..2 {
+            let slope = (above[k] - below[k]) / (2.0 * e);
+            assert!(
+                (slope / at[k + 1] - 1.0).abs() < 1e-3,
+                "{depth} {k}: {slope} {at:?}"
+            );
+        }
+        if depth < limit {
+            assert_eq!(at, LAW.psi(-depth));
+        }
+    }
+    assert!((firm.psi(-2.0 * limit)[2] / LAW.stiffness - 101.0).abs() < 1e-9);
 }

@@ -82,7 +82,7 @@ pub fn flow(
                 continue;
             }
             work.substeps += 1;
-            state.ledger.friction += take(state, rule, &solved, tau);
+            state.ledger.friction += take(model, state, rule, &solved, (within, tau));
             match outcome.halvings {
                 0 => tau = (phase.growth * tau).min(MOST_STEP),
                 1 => {}

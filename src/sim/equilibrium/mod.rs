@@ -75,9 +75,9 @@ pub fn equilibrium_step(
     report: &mut StepReport,
 ) -> Result<(Touch, Equilibrium), Diverged> {
     let method = &model.scene.method;
-    for obstacle in &mut state.obstacles {
-        obstacle.advance(method.dt);
-    }
+    let time = model.script_time(state, method.dt);
+    model.move_obstacles(&mut state.obstacles, time, method.dt);
+    model.hold(state, time);
     let rest = rest(model, solver, state, method.tolerance, method.dt)?;
     report.work = rest.work;
     report.residual = rest.found.residual;
@@ -100,9 +100,14 @@ fn rest(
     tolerance: f64,
     within: f64,
 ) -> Result<Rest, Diverged> {
+    // A flow has no inertia: no surface needs to come out of the cloth slowly.
+    for obstacle in &mut state.obstacles {
+        obstacle.overlap = Default::default();
+    }
     let moving = state.obstacles.clone();
     for obstacle in &mut state.obstacles {
         obstacle.velocity = Default::default();
+        obstacle.scripted = false;
     }
     let mut work = Work::default();
     let mut saddles = 0;

@@ -9,11 +9,12 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::held::{place, prescribed, rest_supports, work_of_supports};
 use super::impulse::{self, brake};
 use super::stable::{
     Limits, MARGIN, largest_frequency, layers, quickest, rotary_inertia, slope_stiffness,
 };
-use crate::contact::Nearby;
+use crate::contact::{Nearby, Obstacle};
 use crate::math::sparse::NO_SLOT;
 use crate::physics::contact::ContactLaw;
 use crate::physics::drag::Drag;
@@ -47,6 +48,7 @@ pub struct Explicit {
     /// Positions \[m\], up to date at the vertices of `nearby`, shape \[vertices\].
     positions: Vec<Vector3<f64>>,
     touch: Touch,
+    haste: f64,
 }
 
 impl Explicit {
@@ -76,6 +78,7 @@ impl Explicit {
             allowance: 0.0,
             positions: nodes[..vertices].to_vec(),
             touch: Touch::default(),
+            haste: 0.0,
         }
     }
 
@@ -92,11 +95,19 @@ impl Explicit {
         }
     }
 
-    /// Takes `count` substeps of `dt` and returns the contacts at the end.
-    pub fn advance(&mut self, model: &Model, state: &mut State, dt: f64, count: u64) -> Touch {
+    /// Takes `count` substeps of `dt` and returns the contacts at the end, with the largest motion of the sheet against an
+    /// obstacle near it in one substep, over half the thickness of the cloth.
+    pub fn advance(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        dt: f64,
+        count: u64,
+    ) -> (Touch, f64) {
         let vertices = model.masses.len();
         // What was near before does not count: a step depends on the state alone, also after a command.
         self.allowance = f64::NEG_INFINITY;
+        self.haste = 0.0;
         let mut nodes: Vec<Lanes> = state
             .positions
             .iter()
@@ -114,17 +125,27 @@ impl Explicit {
         for (rate, a) in rates.iter_mut().zip(accelerations) {
             *rate = add(*rate, scale(a, 0.5 * dt));
         }
+        state.ledger.supports -= model.held_kinetic(state);
+        let moment = |substep: u64| match substep == count {
+            true => model.scene.method.dt,
+            false => substep as f64 * dt,
+        };
         let breeze = Breeze::of(model, state);
         let mut forces = vec![[0.0; 4]; nodes.len()];
         let mut before_last = vec![];
         for substep in 0..count {
+            let time = model.script_time(state, moment(substep + 1));
+            let held = prescribed(model, time, &nodes, &mut rates, dt);
             let fastest = drift(&mut nodes, &rates, dt, vertices);
+            place(&held, &mut nodes);
             forces.copy_from_slice(&self.weight);
             self.kernel.add_forces(&nodes, &mut forces);
             if model.contact.is_some() {
-                let motion = (fastest, dt);
+                let motion = (time, fastest, dt);
                 self.contact(model, state, &nodes, motion, &mut forces);
+                self.hurry(model, state, &rates, dt);
             }
+            state.ledger.supports += work_of_supports(model, &held, &forces, dt);
             if substep + 1 == count {
                 before_last.clone_from(&rates);
             }
@@ -162,7 +183,10 @@ impl Explicit {
             }
         }
         state.history.dt = dt;
-        self.touch.clone()
+        model.hold(state, model.script_time(state, moment(count)));
+        rest_supports(model, state);
+        state.ledger.supports += model.held_kinetic(state);
+        (self.touch.clone(), self.haste)
     }
 
     /// Normal force and friction \[N\] of each contact in the last substep, by key: the state holds the half-step
@@ -244,31 +268,38 @@ impl Explicit {
             let change = inertia.try_inverse().unwrap_or_default() * pull * dt;
             let mean = v + change * 0.5;
             rates[n] = lanes(&(v + change));
+            // What air and damping do to a part that is held, its support bears.
+            if inverse.max() == 0.0 {
+                continue;
+            }
             put += (r * (u - mean)).dot(&mean) * dt;
-            if self.drag[n] > 0.0 && inverse.max() > 0.0 {
+            if self.drag[n] > 0.0 {
                 taken += self.drag[n] / inverse.max() * mean.norm_squared() * dt;
             }
         }
         [taken, put]
     }
 
-    /// Contact at the end of the drift.
+    /// Contact at the end of the drift, at a time since the start of the run.
     fn contact(
         &mut self,
         model: &Model,
         state: &mut State,
         nodes: &[Lanes],
-        (fastest, dt): (f64, f64),
+        (time, fastest, dt): (f64, f64, f64),
         forces: &mut [Lanes],
     ) {
         let Some(law) = &model.contact else { return };
         let start = state.obstacles.clone();
-        state.obstacles.iter_mut().for_each(|o| o.advance(dt));
-        let turns = start.iter().any(|body| body.velocity.angular.norm() > 0.0);
+        model.move_obstacles(&mut state.obstacles, time, dt);
+        let turning = |body: &Obstacle| body.scripted || body.velocity.angular.norm() > 0.0;
+        let turns = start.iter().any(turning);
         if turns {
             self.refresh_all(nodes);
         }
-        let speeds = start.iter().map(|body| quickest(body, &self.positions));
+        let speeds = start
+            .iter()
+            .map(|body| quickest(model, body, &self.positions));
         let quickest = speeds.fold(0.0, f64::max);
         self.allowance -= (fastest + quickest) * dt;
         if self.allowance < 0.0 {
@@ -289,6 +320,19 @@ impl Explicit {
         }
         if quickest > 0.0 {
             state.ledger.supports += self.touch.work_of_obstacles(model, &start, positions);
+        }
+    }
+
+    /// Notes how fast what is near an obstacle moves against it.
+    fn hurry(&mut self, model: &Model, state: &State, rates: &[Lanes], dt: f64) {
+        let Some(law) = &model.contact else { return };
+        for (body, nearby) in state.obstacles.iter().zip(&self.nearby) {
+            let room = law.offset.max(law.limit());
+            for &v in nearby.vertices() {
+                let place = &self.positions[v as usize];
+                let motion = vector(&rates[v as usize]) - body.velocity_at(place);
+                self.haste = self.haste.max(motion.norm() * dt / room);
+            }
         }
     }
 

@@ -2,6 +2,8 @@
 //! bounce, and Coulomb friction (Moreau 1988; the projected Gauss-Seidel sweep is that of Jean, 1999,
 //! doi:10.1016/S0045-7825(98)00383-1).
 //!
+//! A contact deeper than half way to the middle surface goes no deeper: its approach is stopped whole.
+//!
 //! Normal to the obstacle a contact is critically damped; compressed fabric gives back little of the work done on
 //! it, and with elastic contact a sheet at rest would rattle for ever. It never pulls. Along the obstacle a contact
 //! with normal force N stops the velocity of its point, or brakes it by an impulse of mu N dt. Nothing is
@@ -46,6 +48,8 @@ struct Grip {
     load: f64,
     /// Critical damping times dt \[kg\].
     damping: f64,
+    /// Whether it is so deep that it must not go deeper.
+    deep: bool,
     /// Of that damping \[N·s\].
     braked: f64,
     /// Of friction \[N·s\].
@@ -90,6 +94,11 @@ fn settle(grips: &mut [Grip], inverse_mass: &[Lanes], rates: &mut [Lanes]) -> Ta
         taken.contact += grip.soften(inverse_mass, rates);
     }
     for _ in 0..SWEEPS {
+        for grip in grips.iter_mut().filter(|grip| grip.deep) {
+            taken.contact += grip.stop(inverse_mass, rates);
+        }
+    }
+    for _ in 0..SWEEPS {
         for grip in grips.iter_mut().filter(|grip| grip.friction > 0.0) {
             taken.friction += grip.tighten(inverse_mass, rates);
         }
@@ -128,11 +137,12 @@ fn grips(
             vertices,
             weights: near.weights,
             normal: near.distance.normal,
-            ground: obstacle.velocity_at(&at),
+            ground: obstacle.surface_velocity(&at, &near.distance.normal),
             lightness,
             friction: obstacle.friction,
             load: law.normal_force(near) * dt,
             damping: 2.0 * (stiffness / lightness).sqrt() * dt,
+            deep: law.offset - near.distance.value > law.limit(),
             braked: 0.0,
             impulse: Vector3::zeros(),
         });
@@ -178,6 +188,19 @@ impl Grip {
         self.braked = impulse;
         self.push(&(self.normal * impulse), inverse_mass, rates);
         -impulse * (speed + 0.5 * impulse * self.lightness)
+    }
+
+    /// Keeps a deep contact from going deeper; returns the energy taken out \[J\].
+    fn stop(&mut self, inverse_mass: &[Lanes], rates: &mut [Lanes]) -> f64 {
+        let speed = self.normal.dot(&self.motion(rates));
+        if speed >= 0.0 {
+            return 0.0;
+        }
+        let impulse = -speed / self.lightness;
+        self.load += impulse;
+        self.braked += impulse;
+        self.push(&(self.normal * impulse), inverse_mass, rates);
+        -0.5 * impulse * speed
     }
 
     /// Changes the impulse towards no slip within the cone, and the velocities with it; returns the energy that

@@ -10,8 +10,10 @@ mod bdf2;
 pub mod explicit;
 mod generalised_alpha;
 mod gradient_flow;
+mod held;
 mod impulse;
 mod stable;
+pub use stable::quickest;
 #[cfg(test)]
 mod test;
 pub mod xpbd;

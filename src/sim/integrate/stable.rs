@@ -71,7 +71,7 @@ pub fn layers(model: &Model, state: &State, span: f64) -> usize {
     let fastest = speeds.fold(0.0, f64::max).sqrt();
     let mut counts = vec![0; state.positions.len()];
     for body in &state.obstacles {
-        let margin = MARGIN + (fastest + quickest(body, &state.positions)) * span;
+        let margin = MARGIN + (fastest + quickest(model, body, &state.positions)) * span;
         let near = Nearby::find(&model.mesh, &state.positions, body, law.offset, margin);
         for &v in near.vertices() {
             counts[v as usize] += 1;
@@ -80,9 +80,15 @@ pub fn layers(model: &Model, state: &State, span: f64) -> usize {
     counts.into_iter().max().unwrap_or(0).max(1)
 }
 
-/// Bound on the speed of an obstacle wherever it can meet the sheet \[m/s\].
-pub fn quickest(body: &Obstacle, positions: &[Vector3<f64>]) -> f64 {
-    let (linear, turn) = (body.velocity.linear.norm(), body.velocity.angular.norm());
+/// Bound on the speed of an obstacle's surface wherever it can meet the sheet, as long as no command changes it
+/// \[m/s\].
+pub fn quickest(model: &Model, body: &Obstacle, positions: &[Vector3<f64>]) -> f64 {
+    let motion = model.motions.get(&body.name).filter(|_| body.scripted);
+    let (linear, turn) = match motion {
+        Some(motion) => motion.fastest(),
+        None => (body.velocity.linear.norm(), body.velocity.angular.norm()),
+    };
+    let linear = linear + body.overlap.rate();
     if turn == 0.0 {
         return linear;
     }

@@ -10,6 +10,7 @@ fn at(x: f64, v: f64, a: f64, before: [f64; 2], dt: f64) -> State {
     let along = |c: f64| vec![Vector3::new(c, 0.0, 0.0)];
     State {
         step: 0,
+        began: 0,
         positions: along(x),
         velocities: along(v),
         slopes: vec![],

@@ -97,13 +97,15 @@ impl Xpbd {
             for (x, v) in x.iter_mut().zip(&v) {
                 *x += v * dt;
             }
+            let time = model.script_time(state, moment);
+            model.place_supports(&mut x, time);
             let [stretch, _] = stiffnesses(model, dt);
             for face in &self.faces {
                 self.relax_membrane(face, &stretch, &mut x);
                 self.relax_bending(face, &mut x);
             }
             let obstacles = state.obstacles.clone();
-            state.obstacles.iter_mut().for_each(|o| o.advance(dt));
+            model.move_obstacles(&mut state.obstacles, time, dt);
             touch.obstacles.clone_from(&state.obstacles);
             if let Some(law) = &model.contact {
                 touch.find(model, law, &x[..model.masses.len()], Some(&nearby));
@@ -122,6 +124,7 @@ impl Xpbd {
         state.velocities.copy_from_slice(&v[..vertices]);
         state.slope_rates.copy_from_slice(&v[vertices..]);
         state.history.restart();
+        model.hold(state, model.script_time(state, model.scene.method.dt));
         (touch, residual, worst)
     }
 
@@ -137,7 +140,7 @@ impl Xpbd {
             .fold(0.0, f64::max);
         let gravity = Vector3::from(model.scene.gravity).norm();
         let find = |body| {
-            let speed = fastest + gravity * span + quickest(body, &state.positions);
+            let speed = fastest + gravity * span + quickest(model, body, &state.positions);
             let margin = MARGIN + 2.0 * speed * span;
             Nearby::find(&model.mesh, &state.positions, body, law.offset, margin)
         };

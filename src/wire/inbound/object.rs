@@ -130,6 +130,7 @@ fn put(object: &CollisionObject, name: String) -> Result<Object, Malformed> {
         pose: pose * local,
         velocity: Velocity::default(),
         friction: FRICTION,
+        ..Obstacle::default()
     };
     Ok(Object::Put {
         obstacles: obstacles.map(obstacle).collect(),

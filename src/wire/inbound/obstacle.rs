@@ -44,6 +44,7 @@ fn added(command: &ObstacleCommand, name: String) -> Result<Obstacle, Malformed>
         pose: check::placed("pose", check::pose("pose", &command.pose)? * local)?,
         velocity,
         friction: check::friction(command.friction)?,
+        ..Obstacle::default()
     })
 }
 

@@ -122,6 +122,11 @@ pub(super) fn spawn(request: SpawnEntityRequest) -> Result<Request, Malformed> {
     check::frame(&start.header.frame_id)?;
     let pose = check::pose("initial_pose.pose", &start.pose)?;
     let spec = resource(&request)?;
+    if spec.motion.is_some() {
+        let instead = "only a scene prescribes motions, send commands instead";
+        let field = "entity_resource.motion";
+        return Err(Malformed::unsupported(field, "a motion", instead));
+    }
     let [linear, angular] = [spec.linear_velocity, spec.angular_velocity];
     Ok(Request::Spawn {
         obstacle: Obstacle {
@@ -133,6 +138,7 @@ pub(super) fn spawn(request: SpawnEntityRequest) -> Result<Request, Malformed> {
                 angular: pose.rotation * check::spins("entity_resource.angular_velocity", angular)?,
             },
             friction: check::friction(spec.friction)?,
+            ..Obstacle::default()
         },
         rename,
     })
