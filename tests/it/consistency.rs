@@ -173,8 +173,8 @@ fn stability_a_step_that_cannot_converge_is_refused() {
     assert_eq!((error.step, error.time), (1, 0.0));
     assert!(error.vertex < simulation.model().masses.len());
     assert!(
-        (error.dt - 2e-3 / 64.0).abs() < 1e-15,
-        "down to 1/64 of the step"
+        (error.dt - 2e-3 / 4096.0).abs() < 1e-15,
+        "down to 1/4096 of the step"
     );
     assert!(error.residual > 1e-12 && error.residual.is_finite());
     let text = error.to_string();

@@ -374,7 +374,7 @@ fn a_refused_override_names_itself() {
 }
 
 #[test]
-fn a_load_has_a_place_and_a_range() {
+fn a_load_and_a_refined_part_have_a_place_and_a_range() {
     refuses_set(
         &["load.hem={ region = { kind = \"x-max\" }, force = [0.0, 0.0, 1e9] }"],
         &["load.hem.force", "N"],
@@ -383,10 +383,6 @@ fn a_load_has_a_place_and_a_range() {
         &["load.hem={ region = { kind = \"point\", at = [9.0, 0.0] }, force = [0.0, 0.0, 1.0] }"],
         &["load.hem.region.at", "outside the sheet"],
     );
-}
-
-#[test]
-fn a_refined_part_has_a_place_and_an_end() {
     refuses_set(
         &["sheet.refine={ region = { kind = \"point\", at = [9.0, 0.0] }, factor = 0.5 }"],
         &["sheet.refine.region.at", "outside the sheet"],
