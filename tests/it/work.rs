@@ -115,16 +115,16 @@ fn work_of_a_drape_at_rest() {
     assert_eq!(
         sum,
         Work {
-            substeps: 34,
+            substeps: 31,
             rejected: 0,
-            iterations: 34,
-            evaluations: 69,
-            factorisations: 65,
-            indefinite: 30,
+            iterations: 31,
+            evaluations: 67,
+            factorisations: 54,
+            indefinite: 22,
             constant: 0,
             tests: 1,
-            solves: 56,
-            halvings: 0,
+            solves: 36,
+            halvings: 4,
             ..Work::default()
         }
     );
