@@ -57,6 +57,8 @@ impl Hold {
 
 /// Part of the ring that hangs in which sharp ridges run round the plate and hold most of the bending.
 const RIDGES: f64 = 0.25;
+/// How far within the plate's edge a resting disc is refined, over the same.
+const WITHIN: f64 = 0.1;
 
 /// Sizes and starts of a drape test.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -186,7 +188,7 @@ fn scene(
     let ridges = format!(
         "{{ kind = \"ring\", outer = {:?}, inner = {:?} }}",
         set.plate + RIDGES * (set.specimen - set.plate),
-        set.plate - 0.1 * (set.specimen - set.plate)
+        set.plate - WITHIN * (set.specimen - set.plate)
     );
     values.push(("sheet.refine.region".into(), ridges));
     values.push(("sheet.triangles".into(), set.triangles.to_string()));

@@ -16,6 +16,24 @@ struct Worst {
     speed: f64,
 }
 
+impl Worst {
+    /// No deeper than half the thickness, no more strained than said.
+    fn stays_within(&self, strain: f64, what: &str) {
+        assert!(
+            self.depth < HALF && self.strain < strain,
+            "{what}: {} {}",
+            self.depth,
+            self.strain
+        );
+    }
+}
+
+/// Height of the highest vertex \[m\].
+fn highest(simulation: &Simulation) -> f64 {
+    let heights = simulation.state().positions.iter().map(|p| p.z);
+    heights.fold(f64::MIN, f64::max)
+}
+
 fn watch(simulation: &mut Simulation, what: &str, mut each: impl FnMut(&Simulation)) -> Worst {
     let mut worst = Worst {
         depth: 0.0,
@@ -99,12 +117,7 @@ fn a_ball_at_10_m_per_s_does_not_pass_through_a_pinned_sheet() {
             !over.is_empty() && over.iter().all(|z| *z > 0.01),
             "{what}: {over:?}"
         );
-        assert!(
-            worst.depth < HALF && worst.strain < 0.3,
-            "{what}: {} {}",
-            worst.depth,
-            worst.strain
-        );
+        worst.stays_within(0.3, what);
     });
 }
 
@@ -125,12 +138,7 @@ fn a_sheet_at_3_m_per_s_does_not_pass_a_thin_plate() {
                 .filter(|p| p.xy().amax() < 0.1 && p.z < plate);
             assert_eq!(under.count(), 0, "{what}");
         });
-        assert!(
-            worst.depth < HALF && worst.strain < 0.1,
-            "{what}: {} {}",
-            worst.depth,
-            worst.strain
-        );
+        worst.stays_within(0.1, what);
     });
 }
 
@@ -152,19 +160,9 @@ fn a_needle_does_not_go_through_the_sheet() {
             let mut simulation = simulation(&scene);
             let worst = watch(&mut simulation, what, |_| ());
             let top = simulation.state().obstacles[0].pose.translation.vector.z + tip;
-            let over = simulation
-                .state()
-                .positions
-                .iter()
-                .map(|p| p.z)
-                .fold(f64::MIN, f64::max);
+            let over = highest(&simulation);
             assert!(over > top - 2e-3, "{what}: {over} {top}");
-            assert!(
-                worst.depth < HALF && worst.strain < 0.3,
-                "{what}: {} {}",
-                worst.depth,
-                worst.strain
-            );
+            worst.stays_within(0.3, what);
         });
     }
 }
@@ -181,19 +179,9 @@ fn the_corner_of_a_box_does_not_cut_the_sheet() {
         let mut simulation = simulation(&scene);
         let worst = watch(&mut simulation, what, |_| ());
         let corner = simulation.state().obstacles[0].pose.translation.vector.z + 0.0259;
-        let over = simulation
-            .state()
-            .positions
-            .iter()
-            .map(|p| p.z)
-            .fold(f64::MIN, f64::max);
+        let over = highest(&simulation);
         assert!(over > corner - 2e-3, "{what}: {over} {corner}");
-        assert!(
-            worst.depth < HALF && worst.strain < 0.1,
-            "{what}: {} {}",
-            worst.depth,
-            worst.strain
-        );
+        worst.stays_within(0.1, what);
     });
 }
 

@@ -1,9 +1,12 @@
 #![doc = include_str!("doc.md")]
 
+mod coulomb;
 #[cfg(test)]
 mod test;
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
+
+pub use coulomb::Coulomb;
 
 use super::contact::{spread, weighted};
 use super::stencil::{Gradient, Hessian, Nodes, Potential};
@@ -26,21 +29,22 @@ pub struct Bond {
 }
 
 impl Bond {
+    fn law(&self) -> Coulomb {
+        Coulomb {
+            normal: self.normal,
+            limit: self.limit,
+            stiffness: self.stiffness,
+        }
+    }
+
     /// Tangential offset of the point `y` from the anchor \[m\].
     pub fn offset(&self, y: &Vector3<f64>) -> Vector3<f64> {
-        let d = y - self.anchor;
-        d - self.normal * self.normal.dot(&d)
+        self.law().tangential(y - self.anchor)
     }
 
     /// The elastic part of the offset, which the bond remembers, and the slip, which it does not \[m\].
     pub fn settle(&self, y: &Vector3<f64>) -> (Vector3<f64>, f64) {
-        let s = self.offset(y);
-        let (length, elastic) = (s.norm(), self.limit / self.stiffness);
-        if length <= elastic {
-            (s, 0.0)
-        } else {
-            (s * (elastic / length), length - elastic)
-        }
+        self.law().settle(self.offset(y))
     }
 }
 
@@ -61,37 +65,22 @@ impl Potential<3> for Friction<'_> {
 
     fn value(&self, s: usize, x: &Nodes<3>) -> f64 {
         let bond = &self.bonds[s];
-        let length = bond.offset(&weighted(&bond.weights, x)).norm();
-        if bond.stiffness * length <= bond.limit {
-            0.5 * bond.stiffness * length * length
-        } else {
-            bond.limit * (length - 0.5 * bond.limit / bond.stiffness)
-        }
+        bond.law().value(&bond.offset(&weighted(&bond.weights, x)))
     }
 
     fn gradient(&self, s: usize, x: &Nodes<3>) -> Gradient<3> {
         let bond = &self.bonds[s];
-        let offset = bond.offset(&weighted(&bond.weights, x));
-        let length = offset.norm();
-        let force = if bond.stiffness * length <= bond.limit {
-            offset * bond.stiffness
-        } else {
-            offset * (bond.limit / length)
-        };
+        let force = bond
+            .law()
+            .gradient(&bond.offset(&weighted(&bond.weights, x)));
         bond.weights.map(|w| force * w)
     }
 
     fn hessian(&self, s: usize, x: &Nodes<3>) -> Hessian<3> {
         let bond = &self.bonds[s];
-        let offset = bond.offset(&weighted(&bond.weights, x));
-        let length = offset.norm();
-        let tangential = Matrix3::identity() - bond.normal * bond.normal.transpose();
-        let matrix = if bond.stiffness * length <= bond.limit {
-            tangential * bond.stiffness
-        } else {
-            let along = offset / length;
-            (tangential - along * along.transpose()) * (bond.limit / length)
-        };
+        let matrix = bond
+            .law()
+            .hessian(&bond.offset(&weighted(&bond.weights, x)));
         spread(&bond.weights, &matrix)
     }
 

@@ -1,8 +1,9 @@
 //! Friction of layer on layer as an elastic-plastic bond.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use super::combine;
+use crate::physics::friction::Coulomb;
 use crate::physics::stencil::{Gradient, Hessian, Nodes, Potential};
 
 /// A frictional bond of a pair.
@@ -23,21 +24,23 @@ pub struct LayerBond {
 }
 
 impl LayerBond {
+    fn law(&self) -> Coulomb {
+        Coulomb {
+            normal: self.normal,
+            limit: self.limit,
+            stiffness: self.stiffness,
+        }
+    }
+
     /// Tangential offset from the slack bond \[m\].
     pub fn offset(&self, x: &Nodes<4>) -> Vector3<f64> {
-        let d = combine(&self.weights, x) - self.slack;
-        d - self.normal * self.normal.dot(&d)
+        self.law()
+            .tangential(combine(&self.weights, x) - self.slack)
     }
 
     /// The elastic part of the offset, which the bond remembers, and the slip, which it does not \[m\].
     pub fn settle(&self, x: &Nodes<4>) -> (Vector3<f64>, f64) {
-        let s = self.offset(x);
-        let (length, elastic) = (s.norm(), self.limit / self.stiffness);
-        if length <= elastic {
-            (s, 0.0)
-        } else {
-            (s * (elastic / length), length - elastic)
-        }
+        self.law().settle(self.offset(x))
     }
 }
 
@@ -58,37 +61,18 @@ impl Potential<4> for LayerFriction<'_> {
 
     fn value(&self, s: usize, x: &Nodes<4>) -> f64 {
         let bond = &self.bonds[s];
-        let length = bond.offset(x).norm();
-        if bond.stiffness * length <= bond.limit {
-            0.5 * bond.stiffness * length * length
-        } else {
-            bond.limit * (length - 0.5 * bond.limit / bond.stiffness)
-        }
+        bond.law().value(&bond.offset(x))
     }
 
     fn gradient(&self, s: usize, x: &Nodes<4>) -> Gradient<4> {
         let bond = &self.bonds[s];
-        let offset = bond.offset(x);
-        let length = offset.norm();
-        let force = if bond.stiffness * length <= bond.limit {
-            offset * bond.stiffness
-        } else {
-            offset * (bond.limit / length)
-        };
+        let force = bond.law().gradient(&bond.offset(x));
         bond.weights.map(|w| force * w)
     }
 
     fn hessian(&self, s: usize, x: &Nodes<4>) -> Hessian<4> {
         let bond = &self.bonds[s];
-        let offset = bond.offset(x);
-        let length = offset.norm();
-        let tangential = Matrix3::identity() - bond.normal * bond.normal.transpose();
-        let matrix = if bond.stiffness * length <= bond.limit {
-            tangential * bond.stiffness
-        } else {
-            let along = offset / length;
-            (tangential - along * along.transpose()) * (bond.limit / length)
-        };
+        let matrix = bond.law().hessian(&bond.offset(x));
         let w = bond.weights;
         std::array::from_fn(|i| std::array::from_fn(|j| matrix * (w[i] * w[j])))
     }
