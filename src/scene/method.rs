@@ -186,7 +186,7 @@ pub struct MethodSpec {
     pub tolerance: f64,
     /// Newton iterations before a step is retried smaller \[-\]; `quasi-newton` has 25 for each.
     pub max_iterations: usize,
-    /// Substep \[s\], at most `dt`. Left out, it is 0.95 of the stable limit for `central-difference`, and a
+    /// Substep \[s\], at most `dt`. Left out, it is 0.85 of the stable limit for `central-difference`, and a
     /// twentieth of `dt` for `xpbd`.
     pub substep: Option<f64>,
     /// Whether `central-difference` keeps to its stable limit.

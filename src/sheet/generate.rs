@@ -7,6 +7,7 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 use super::mesh::Mesh;
 use super::outline::Outline;
+use super::shape::round_off;
 
 type Point = Vector2<f64>;
 
@@ -103,6 +104,9 @@ pub fn generate_graded(outline: &Outline, options: &MeshOptions, size: Size) -> 
     for _ in 0..SMOOTHING_ROUNDS {
         smooth(&mut points, fixed, &faces, options.edge, size);
         faces = triangulate(outline, &loops, &points);
+    }
+    if points.iter().all(|p| size(p) == options.edge) {
+        round_off(&mut points, fixed, &faces);
     }
     if options.jitter > 0.0 {
         for p in &mut points[fixed..] {

@@ -3,6 +3,7 @@
 mod generate;
 mod mesh;
 mod outline;
+mod shape;
 #[cfg(test)]
 mod test;
 

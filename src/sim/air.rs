@@ -1,10 +1,11 @@
 //! The air that blows, as part of the state.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use super::command::{AirRegion, Airflow};
 use super::model::Model;
 use super::state::State;
+use crate::physics::Load;
 use crate::physics::drag::Drag;
 
 /// A prescribed air velocity: uniform in its region, zero outside, on a linear ramp in time.
@@ -111,4 +112,15 @@ impl<'a> Breeze<'a> {
             air: self.inside.iter().map(at).collect(),
         }
     }
+}
+
+/// Sum of the resistances of the faces around each node \[N·s/m\].
+pub fn resistances(drag: &Drag, nodes: &[Vector3<f64>]) -> Vec<Matrix3<f64>> {
+    let mut sum = vec![Matrix3::zeros(); nodes.len()];
+    for s in 0..drag.count() {
+        let stencil = drag.nodes(s).map(|n| n as usize);
+        let of_face = drag.resistance(&stencil.map(|n| nodes[n]));
+        stencil.iter().for_each(|&n| sum[n] += of_face);
+    }
+    sum
 }

@@ -14,6 +14,7 @@ mod equilibrium;
 mod implicit;
 mod integrate;
 mod kernel;
+mod lanes;
 mod layers;
 mod measure;
 mod model;

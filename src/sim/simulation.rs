@@ -3,9 +3,9 @@
 use super::command::Rejected;
 use super::equilibrium::{Equilibrium, equilibrium_step};
 use super::implicit::Implicit;
-use super::integrate::Rule;
-use super::integrate::explicit::{Explicit, SAFETY};
+use super::integrate::explicit::Explicit;
 use super::integrate::xpbd::{self, Xpbd};
+use super::integrate::{Rule, SAFETY};
 use super::measure;
 use super::model::Model;
 use super::report::StepReport;

@@ -4,7 +4,8 @@ use nalgebra::Vector3;
 
 use super::air::Breeze;
 use super::command::Rejected;
-use super::kernel::{Kernel, Lanes, add, lanes, vector};
+use super::kernel::Kernel;
+use super::lanes::{Lanes, add, lanes, vector};
 use super::layers::LayerTouch;
 use super::model::Model;
 use super::overlap;

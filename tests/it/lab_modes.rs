@@ -93,12 +93,12 @@ fn strip(fabric: &str, length: f64, angle: f64, gravity: f64, pitch: f64) -> Sim
          [fabric]\nname = \"{fabric}\"\n\
          [support]\nclamp = {{ kind = \"clamp\", region = {{ kind = \"x-min\" }} }}\n",
         0.12 * length,
-        length / 30.0
+        length / 32.0
     );
     simulation(&scene(&text))
 }
 
-/// Tolerances grow with the mode: a wave of the second is 1.3 lengths, 40 edges, of the third 0.8.
+/// Tolerances grow with the mode: a wave of the second is 1.3 lengths, 43 edges, of the third 0.8.
 #[test]
 fn verify_frequencies_of_a_clamped_strip() {
     let table = Table::new(FREE);

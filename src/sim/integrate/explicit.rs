@@ -12,23 +12,24 @@ use nalgebra::{Matrix3, Vector3};
 use super::folds::Folds;
 use super::held::{place, prescribed, rest_supports, work_of_supports};
 use super::impulse::{self, brake};
+use super::leap::{drift, kicked, swing};
 use super::stable::{
-    Limits, MARGIN, largest_frequency, layers, quickest, rotary_inertia, slope_stiffness,
+    Limits, MARGIN, SAFETY, largest_frequency, layers, quickest, rotary_inertia, slope_stiffness,
+    stiffening,
 };
 use crate::contact::{Nearby, Obstacle};
 use crate::math::sparse::NO_SLOT;
+use crate::physics::Potential;
 use crate::physics::contact::ContactLaw;
 use crate::physics::drag::Drag;
-use crate::physics::{Load, Potential};
-use crate::sim::air::Breeze;
-use crate::sim::kernel::{Kernel, Lanes, add, dot, drift, lanes, scale, vector};
+use crate::sim::air::{Breeze, resistances};
+use crate::sim::kernel::Kernel;
+use crate::sim::lanes::{Lanes, add, dot, lanes, scale, vector};
 use crate::sim::model::Model;
 use crate::sim::report::Work;
 use crate::sim::state::State;
 use crate::sim::touch::Touch;
 
-/// Substep over the stable limit when the user leaves it open.
-pub const SAFETY: f64 = 0.95;
 /// Slope inertia over the least that keeps the slopes' own frequency at that of the membrane.
 const INERTIA_MARGIN: f64 = 4.0;
 /// What is returned as haste where layers need substeps half as long.
@@ -41,9 +42,9 @@ pub struct Explicit {
     kernel: Kernel,
     /// 1/m and 1/J by component, zero where prescribed, shape \[nodes\].
     inverse_mass: Vec<Lanes>,
-    /// mu A / m \[1/s\], shape \[nodes\]; zero on slopes.
+    /// mu A / m \[1/s\], shape \[vertices\].
     drag: Vec<f64>,
-    /// m g \[N\], shape \[nodes\].
+    /// m g \[N\], shape \[vertices\].
     weight: Vec<Lanes>,
     limits: Limits,
     nearby: Vec<Nearby>,
@@ -67,17 +68,13 @@ impl Explicit {
             let enough = INERTIA_MARGIN * k / stiffest.powi(2);
             enough.min(MOST_INERTIA * rotary_inertia(model, e))
         }));
-        let mut drag = vec![0.0; nodes.len()];
-        let mut weight = vec![[0.0; 4]; nodes.len()];
-        for v in 0..vertices {
-            drag[v] = model.damping.coefficients[v] / model.masses[v];
-            weight[v] = lanes(&-model.gravity.gradient(v, &[nodes[v]])[0]);
-        }
+        let drag = model.damping.coefficients.iter().zip(&model.masses);
+        let weight = |v: usize| lanes(&-model.gravity.gradient(v, &[nodes[v]])[0]);
         Self {
             kernel,
             inverse_mass: inverse_masses(model, &inertia),
-            drag,
-            weight,
+            drag: drag.map(|(c, m)| c / m).collect(),
+            weight: (0..vertices).map(weight).collect(),
             limits: Limits::new(nodes, inertia),
             nearby: vec![],
             allowance: 0.0,
@@ -96,10 +93,11 @@ impl Explicit {
     /// The substep for a step of `span` from `state` \[s\]: the wanted one, or less where obstacles or layers meet.
     pub fn substep(&mut self, model: &Model, state: &State, wanted: f64, span: f64) -> f64 {
         let layers = layers(model, state, span);
-        let limit = self.limits.under(model, layers);
+        let stiffer = stiffening(model, &state.positions);
+        let limit = self.limits.under(model, layers) / stiffer;
         let wanted = match layers {
-            1 => wanted,
-            _ => wanted.min(SAFETY * limit),
+            1 => wanted / stiffer,
+            _ => (wanted / stiffer).min(SAFETY * limit),
         };
         match &model.layers {
             None => wanted,
@@ -160,9 +158,17 @@ impl Explicit {
         for substep in 0..count {
             let time = model.script_time(state, moment(substep + 1));
             let held = prescribed(model, time, &nodes, &mut rates, dt);
-            let fastest = drift(&mut nodes, &rates, dt, vertices);
+            // Slopes feel their own bending only, so they are kicked when they move on.
+            let slopes = vertices..;
+            let fastest = drift(&mut nodes, &rates, &self.weight, &mut forces, dt);
+            swing(
+                &mut nodes[slopes.clone()],
+                &mut rates[slopes.clone()],
+                &mut forces[slopes.clone()],
+                &self.inverse_mass[slopes],
+                dt,
+            );
             place(&held, &mut nodes);
-            forces.copy_from_slice(&self.weight);
             self.kernel.add_forces(&nodes, &mut forces);
             if model.contact.is_some() {
                 let motion = (time, fastest, dt);
@@ -203,6 +209,9 @@ impl Explicit {
                 state.ledger.damping += rubbed.contact;
             }
         }
+        for n in vertices..nodes.len() {
+            rates[n] = kicked(rates[n], forces[n], &self.inverse_mass[n], dt);
+        }
         // The half-step velocities around the end give velocity and acceleration there; the next run of substeps
         // gets back the later one.
         let around = before_last.iter().zip(&rates);
@@ -239,12 +248,12 @@ impl Explicit {
         let nodes: Vec<Lanes> = state.nodes().iter().map(lanes).collect();
         let past = &state.history.accelerations;
         let accelerations = past.iter().map(lanes).chain(std::iter::repeat([0.0; 4]));
-        let rates = state.velocities.iter().chain(&state.slope_rates);
-        let mut rates: Vec<Lanes> = rates
+        let mut rates: Vec<Lanes> = (state.velocities.iter())
             .zip(accelerations)
             .map(|(v, a)| add(lanes(v), scale(a, -0.5 * dt)))
             .collect();
         let mut forces = self.weight.clone();
+        forces.resize(nodes.len(), [0.0; 4]);
         self.kernel.add_forces(&nodes, &mut forces);
         for (v, push) in touch.pushes(model, law, &state.positions) {
             forces[v as usize] = add(forces[v as usize], lanes(&push));
@@ -261,20 +270,20 @@ impl Explicit {
         impulse::loads(model, law, touch, masses, &nodes, &mut rates, dt)
     }
 
-    /// Takes the rates from one half step to the next. Returns what damping took out \[J\].
+    /// Takes the vertices' rates from one half step to the next. Returns what damping took out \[J\].
     fn kick(&self, model: &Model, rates: &mut [Lanes], forces: &[Lanes], dt: f64) -> f64 {
         let half = 0.5 * dt;
-        let nodes = rates.iter_mut().zip(forces).zip(&self.inverse_mass);
-        let push = |force: &Lanes, inverse: &Lanes| -> Lanes {
-            std::array::from_fn(|k| force[k] * inverse[k] * dt)
-        };
+        let vertices = rates.iter_mut().zip(forces);
+        let vertices = vertices.zip(self.inverse_mass.iter().zip(&self.drag));
         if model.scene.damping == 0.0 {
-            nodes.for_each(|((rate, force), inverse)| *rate = add(*rate, push(force, inverse)));
+            vertices.for_each(|((rate, force), (inverse, _))| {
+                *rate = kicked(*rate, *force, inverse, dt);
+            });
             return 0.0;
         }
-        for (((rate, force), inverse), drag) in nodes.zip(&self.drag) {
+        for ((rate, force), (inverse, drag)) in vertices {
             let kept = scale(*rate, 1.0 - drag * half);
-            *rate = scale(add(kept, push(force, inverse)), 1.0 / (1.0 + drag * half));
+            *rate = scale(kicked(kept, *force, inverse, dt), 1.0 / (1.0 + drag * half));
         }
         let drag = &model.damping.coefficients;
         let power = |(c, v): (&f64, &Lanes)| c * dot(*v, *v);
@@ -292,12 +301,12 @@ impl Explicit {
         forces: &[Lanes],
         dt: f64,
     ) -> [f64; 2] {
-        let places: Vec<_> = nodes.iter().map(vector).collect();
+        let vertices = self.drag.len();
+        let places: Vec<_> = nodes[..vertices].iter().map(vector).collect();
         let resistance = resistances(drag, &places);
         let (mut taken, mut put) = (0.0, 0.0);
         for (n, r) in resistance.iter().enumerate() {
-            // Slopes have no resistance, so the air's velocity does not matter there.
-            let u = drag.air.get(n).copied().unwrap_or_default();
+            let u = drag.air[n];
             let (v, inverse) = (vector(&rates[n]), vector(&self.inverse_mass[n]));
             let braking = Matrix3::from_diagonal(&inverse) * r + Matrix3::identity() * self.drag[n];
             let pull = (vector(&forces[n]) + r * u).component_mul(&inverse) - braking * v;
@@ -386,15 +395,4 @@ pub fn inverse_masses(model: &Model, inertia: &[f64]) -> Vec<Lanes> {
         [x, y, z, 0.0]
     };
     model.dofs.index.iter().zip(inertia).map(inverse).collect()
-}
-
-/// Sum of the resistances of the faces around each node \[N·s/m\].
-pub fn resistances(drag: &Drag, nodes: &[Vector3<f64>]) -> Vec<Matrix3<f64>> {
-    let mut sum = vec![Matrix3::zeros(); nodes.len()];
-    for s in 0..drag.count() {
-        let stencil = drag.nodes(s).map(|n| n as usize);
-        let of_face = drag.resistance(&stencil.map(|n| nodes[n]));
-        stencil.iter().for_each(|&n| sum[n] += of_face);
-    }
-    sum
 }

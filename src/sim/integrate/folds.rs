@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 
 use crate::contact::layers::{Candidates, Pair};
 use crate::physics::layers::LayerLaw;
-use crate::sim::kernel::{Lanes, add, lanes, scale, vector};
+use crate::sim::lanes::{Lanes, add, lanes, scale, vector};
 use crate::sim::model::Model;
 use crate::sim::report::Work;
 

@@ -1,7 +1,7 @@
 //! Moving supports in the explicit scheme: what they hold follows them, and they do work on it.
 
 use crate::sim::carry::Prescribed;
-use crate::sim::kernel::Lanes;
+use crate::sim::lanes::Lanes;
 use crate::sim::model::Model;
 use crate::sim::state::State;
 

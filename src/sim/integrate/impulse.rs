@@ -13,7 +13,7 @@
 use nalgebra::Vector3;
 
 use crate::physics::contact::ContactLaw;
-use crate::sim::kernel::{Lanes, add, lanes, vector};
+use crate::sim::lanes::{Lanes, add, lanes, vector};
 use crate::sim::model::Model;
 use crate::sim::touch::Touch;
 

@@ -13,13 +13,13 @@ mod generalised_alpha;
 mod gradient_flow;
 mod held;
 mod impulse;
+mod leap;
 mod stable;
-pub use stable::quickest;
 #[cfg(test)]
 mod test;
 pub mod xpbd;
 
-pub use stable::MARGIN;
+pub use stable::{MARGIN, SAFETY, quickest};
 
 use nalgebra::Vector3;
 

@@ -6,11 +6,15 @@ use std::collections::BTreeMap;
 use nalgebra::Vector3;
 
 use crate::contact::{Nearby, Obstacle};
-use crate::physics::Potential;
+use crate::physics::{Hessian, Potential};
 use crate::sim::assembly::pick;
 use crate::sim::model::Model;
 use crate::sim::state::State;
 
+/// Substep over the stable limit when the user leaves it open: below sqrt(3)/2, where three substeps make a period of
+/// the stiffest mode, and a sheet without damping gains energy by resonance until it is lost (Schlick, Mandziuk,
+/// Skeel, Srinivas 1998, J. Comput. Phys. 140:1).
+pub const SAFETY: f64 = 0.85;
 /// How far the sheet may move against an obstacle before the features near it are collected anew \[m\].
 pub const MARGIN: f64 = 1e-3;
 /// Power iterations; the limit is then good to about 1 %.
@@ -59,6 +63,16 @@ impl Limits {
         let work_out = || 2.0 / largest_frequency(model, &self.start, &self.inertia, layers);
         *self.known.entry(layers).or_insert_with(work_out)
     }
+}
+
+/// How much faster than at rest a stretched sheet vibrates at most, at least 1: along a Green strain e the stiffness
+/// is C ((1 + 2e) + e), of the law and of the tension.
+pub fn stiffening(model: &Model, positions: &[Vector3<f64>]) -> f64 {
+    let stretch = &model.stretch;
+    let stretched = |f: usize| stretch.strain(f, &pick(positions, &stretch.nodes(f)));
+    let largest = |e: Vector3<f64>| 0.5 * (e.x + e.y) + (0.5 * (e.x - e.y)).hypot(e.z);
+    let strains = (0..stretch.count()).map(|f| largest(stretched(f)));
+    (1.0 + 3.0 * strains.fold(0.0, f64::max)).sqrt()
 }
 
 /// Most obstacles that some vertex can touch, with the edges and faces around it, before `span` seconds are over;
@@ -114,6 +128,9 @@ pub fn largest_frequency(
         let wave = Vector3::new(phase - 0.5, 0.5 - phase * phase, phase * 0.7 - 0.3);
         *x = model.dofs.free(n, wave);
     }
+    let stencils = 0..model.mesh.faces.len();
+    let membrane = |f: usize| (model.stretch).hessian(f, &pick(nodes, &model.stretch.nodes(f)));
+    let membrane: Vec<Hessian<3>> = stencils.map(membrane).collect();
     let mut omega_squared = 0.0;
     for _ in 0..POWER_ITERATIONS {
         // In coordinates scaled by the root of the inertia the matrix is symmetric.
@@ -124,7 +141,7 @@ pub fn largest_frequency(
             .sum::<f64>()
             .sqrt();
         mode.iter_mut().for_each(|x| *x /= norm);
-        let force = stiffness_times(model, nodes, &mode);
+        let force = stiffness_times(model, &membrane, &mode);
         for (n, m) in inertia.iter().enumerate() {
             let touch = if n < vertices {
                 mode[n] * contact
@@ -143,13 +160,16 @@ pub fn largest_frequency(
     omega_squared.sqrt()
 }
 
-fn stiffness_times(model: &Model, at: &[Vector3<f64>], mode: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+fn stiffness_times(
+    model: &Model,
+    membrane: &[Hessian<3>],
+    mode: &[Vector3<f64>],
+) -> Vec<Vector3<f64>> {
     let mut force = vec![Vector3::zeros(); mode.len()];
-    for f in 0..model.mesh.faces.len() {
+    for (f, hessian) in membrane.iter().enumerate() {
         let stencil = model.bend.nodes(f);
         let d = pick(mode, &stencil);
         let mut sum = model.bend.gradient(f, &d);
-        let hessian = model.stretch.hessian(f, &pick(at, &model.stretch.nodes(f)));
         for i in 0..3 {
             for j in 0..3 {
                 sum[i] += hessian[i][j] * d[j];

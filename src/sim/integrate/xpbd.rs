@@ -11,13 +11,14 @@
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-use super::explicit::{MOST_INERTIA, inverse_masses, resistances};
+use super::explicit::{MOST_INERTIA, inverse_masses};
 use super::stable::{MARGIN, quickest, rotary_inertia};
 use crate::contact::Nearby;
 use crate::physics::bend::curvature_operator;
 use crate::physics::contact::weighted;
-use crate::sim::air::Breeze;
-use crate::sim::kernel::{Kernel, Lanes, lanes, vector};
+use crate::sim::air::{Breeze, resistances};
+use crate::sim::kernel::Kernel;
+use crate::sim::lanes::{Lanes, lanes, vector};
 use crate::sim::model::Model;
 use crate::sim::state::State;
 use crate::sim::touch::Touch;

@@ -1,0 +1,53 @@
+//! The moves of central differences: positions and slopes from one moment to the next, rates from one half step to the
+//! next.
+
+use crate::sim::lanes::{Lanes, add, dot, scale};
+
+/// Moves the vertices, puts their weight in for the forces, and returns their largest speed \[m/s\].
+pub fn drift(
+    nodes: &mut [Lanes],
+    rates: &[Lanes],
+    weight: &[Lanes],
+    forces: &mut [Lanes],
+    dt: f64,
+) -> f64 {
+    let mut fastest = 0.0;
+    let moving = nodes.iter_mut().zip(rates);
+    for ((x, rate), (force, weight)) in moving.zip(forces.iter_mut().zip(weight)) {
+        *x = add(*x, scale(*rate, dt));
+        *force = *weight;
+        let square = dot(*rate, *rate);
+        if square > fastest {
+            fastest = square;
+        }
+    }
+    fastest.sqrt()
+}
+
+/// Takes the slopes from one half step over the moment between them to the next, and clears the forces.
+pub fn swing(
+    nodes: &mut [Lanes],
+    rates: &mut [Lanes],
+    forces: &mut [Lanes],
+    inverse_inertia: &[Lanes],
+    dt: f64,
+) {
+    let moving = nodes.iter_mut().zip(rates);
+    for ((x, rate), (force, inverse)) in moving.zip(forces.iter_mut().zip(inverse_inertia)) {
+        *rate = kicked(*rate, *force, inverse, dt);
+        *x = add(*x, scale(*rate, dt));
+        *force = [0.0; 4];
+    }
+}
+
+/// A rate after a force has acted for `dt`.
+#[inline(always)]
+pub fn kicked(rate: Lanes, force: Lanes, inverse: &Lanes, dt: f64) -> Lanes {
+    let kick = [
+        force[0] * inverse[0] * dt,
+        force[1] * inverse[1] * dt,
+        force[2] * inverse[2] * dt,
+        0.0,
+    ];
+    add(rate, kick)
+}
