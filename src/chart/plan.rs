@@ -14,6 +14,11 @@ const MOMENTS: u32 = 20;
 const HALVINGS: u32 = 9;
 /// Fewest triangles.
 const FEWEST: usize = 50;
+/// Most triangles that are tried, and the first, over what the scene asks for.
+const MOST: usize = 4;
+const FIRST: f64 = 1.0 / 32.0;
+/// Times the most triangles from which on a scene is given up.
+const HOPELESS: f64 = 3.0;
 /// Share of the tolerance that the mesh may take.
 const SPACE: f64 = 0.5;
 
@@ -56,10 +61,13 @@ pub enum PlanError {
     NoTime(String),
     /// The mesh would have to be finer than is tried.
     #[error(
-        "no mesh up to {triangles} triangles is within {tolerance} by its own estimate; the best is {estimate:.2e}"
+        "no mesh of up to {most} triangles is within {tolerance}: {triangles} are {:.1} % off by their own estimate, and \
+         half of that takes twice as many; try a wider --tolerance or a shorter --duration", 1e2 * estimate
     )]
     TooFine {
-        /// Most triangles tried.
+        /// Most triangles that are tried.
+        most: usize,
+        /// The finest that was.
         triangles: usize,
         /// Asked for.
         tolerance: Tolerance,
@@ -205,11 +213,12 @@ fn meshes(
     cpu: &mut CpuClock,
     tell: &mut dyn FnMut(&str),
 ) -> Result<Meshes, PlanError> {
-    let most = 2 * triangles(scene).max(4 * FEWEST);
+    let asked = triangles(scene).max(4 * FEWEST);
+    let most = MOST * asked;
     let explicit = Method::from(Scheme::CentralDifference);
     let mut tried: Vec<Tried> = vec![];
     let (mut before, mut change): (Option<Vec<Vec<f64>>>, f64) = (None, f64::INFINITY);
-    let mut count = (most / 64).max(FEWEST);
+    let mut count = ((FIRST * asked as f64) as usize).max(FEWEST);
     loop {
         tell(&format!("mesh of {count} triangles"));
         let seen = run(
@@ -234,9 +243,13 @@ fn meshes(
         if let Some(error) = error.filter(|e| *e <= SPACE * tolerance.0) {
             return Ok((tried, seen.readings, error));
         }
-        if 2 * count > most {
+        // Half the error for twice the triangles: where that leads far beyond the most, more runs tell nothing.
+        let needed = error.map_or(0.0, |e| e / (SPACE * tolerance.0) * count as f64);
+        let hopeless = 4 * count >= asked && needed > HOPELESS * most as f64;
+        if 2 * count > most || hopeless {
             let estimate = error.unwrap_or(f64::INFINITY);
             return Err(PlanError::TooFine {
+                most,
                 triangles: count,
                 tolerance,
                 estimate,
