@@ -173,17 +173,13 @@ fn verify_a_ball_of_triangles_carries_as_a_ball_does() {
 fn verify_a_box_of_triangles_is_the_box() {
     let size = [0.022, 0.022, 0.02];
     // Implicit steps do not converge where sharp rims press on flat cloth, with either.
-    for scheme in ["central-difference"] {
-        let (exact, places) = pressed(scheme, Shape::Box { size });
-        let (ours, others) = pressed(scheme, cuboid(size));
-        let apart = places.iter().zip(&others).map(|(a, b)| (a - b).norm());
-        let apart = apart.fold(0.0, f64::max);
-        println!("{scheme}: {exact:.6} N, {ours:.6} N, {apart:.1e} m apart");
-        assert!(
-            (ours / exact - 1.0).abs() < 0.01 && apart < 5e-5,
-            "{scheme}"
-        );
-    }
+    let scheme = "central-difference";
+    let (exact, places) = pressed(scheme, Shape::Box { size });
+    let (ours, others) = pressed(scheme, cuboid(size));
+    let apart = places.iter().zip(&others).map(|(a, b)| (a - b).norm());
+    let apart = apart.fold(0.0, f64::max);
+    println!("{exact:.6} N, {ours:.6} N, {apart:.1e} m apart");
+    assert!((ours / exact - 1.0).abs() < 1e-6 && apart < 1e-6);
 }
 
 /// On a slope of triangles the sheet slides and sticks as on a plane, and what it weighs rests on the slope.

@@ -65,7 +65,7 @@ fn check(given: &Triangles) -> Result<(), SurfaceError> {
         _ => {}
     }
     for (vertex, p) in given.vertices.iter().enumerate() {
-        if let Some(&value) = p.iter().find(|c| !(c.abs() <= FARTHEST)) {
+        if let Some(&value) = p.iter().find(|c| !(-FARTHEST..=FARTHEST).contains(*c)) {
             return Err(SurfaceError::Place { vertex, value });
         }
     }
