@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{Point3, Vector3};
 
 use super::picture_cloth::{Kind, Surface};
-use crate::contact::{Obstacle, Shape};
+use crate::contact::{Obstacle, Shape, Surface as Mesh};
 
 /// Sides of a full circle.
 const ROUND: usize = 96;
@@ -42,6 +42,7 @@ pub(super) fn solid(obstacle: &Obstacle, cell: f64, centre: Vector3<f64>, radius
             grids.lathe(&[(radius, -h), (radius, h)]);
             grids.lathe(&arc(radius, h, 0.0, 0.5 * PI, 24));
         }
+        Shape::Mesh(ref mesh) => grids.triangles(mesh),
     }
     place(grids.surface, obstacle)
 }
@@ -121,6 +122,18 @@ impl Grids {
                 self.surface.faces.push([a, c, d]);
             }
         }
+    }
+
+    /// Flat triangles, and lines where they are folded.
+    fn triangles(&mut self, mesh: &Mesh) {
+        for (t, corners) in mesh.triangles().iter().enumerate() {
+            let base = self.surface.points.len() as u32;
+            let places = corners.map(|v| mesh.vertices()[v as usize]);
+            self.surface.points.extend(places);
+            self.surface.normals.extend([mesh.normal(t); 3]);
+            self.surface.faces.push([base, base + 1, base + 2]);
+        }
+        self.surface.lines.extend(mesh.ridges());
     }
 
     fn steps(&self, length: f64) -> usize {

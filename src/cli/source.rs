@@ -5,8 +5,10 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use super::CliError;
-use crate::scene::{Origin, Override, Scene, SceneError, Warning, library, parse};
+use crate::scene::{Origin, Override, Scene, SceneError, Warning, library, parse_with};
 
+/// Most bytes of a file of triangles.
+const LARGEST: u64 = 64 << 20;
 /// Most bytes of a scene; the built-in ones have about two thousand.
 const LONGEST: u64 = 1 << 20;
 
@@ -16,7 +18,7 @@ pub(super) fn scene(name: &str, overrides: &[Override]) -> Result<(Scene, Vec<Wa
         Some(text) => text.to_string(),
         None => read(name)?,
     };
-    parse(&text, overrides).map_err(|error| within(name, error))
+    parse_with(&text, overrides, &|file| beside(name, file)).map_err(|error| within(name, error))
 }
 
 /// An error of the document names the document; one of an override names the override already.
@@ -28,6 +30,23 @@ fn within(name: &str, error: SceneError) -> CliError {
     match error.origin {
         Origin::Override(_) => error.into(),
         Origin::Line(_) | Origin::Document => CliError::Input(format!("{name}: {error}")),
+    }
+}
+
+/// Reads a file whose path in a scene starts from where the scene is.
+fn beside(scene: &str, file: &str) -> Result<Vec<u8>, String> {
+    let folder = match scene {
+        "-" => None,
+        scene => Path::new(scene).parent(),
+    };
+    let path = folder.unwrap_or(Path::new("")).join(file);
+    let failed = |error: io::Error| format!("cannot read {}: {error}", path.display());
+    let mut bytes = vec![];
+    let mut source = File::open(&path).map_err(failed)?.take(LARGEST + 1);
+    source.read_to_end(&mut bytes).map_err(failed)?;
+    match bytes.len() as u64 > LARGEST {
+        true => Err(format!("{} is longer than 64 MiB", path.display())),
+        false => Ok(bytes),
     }
 }
 

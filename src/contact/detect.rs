@@ -1,13 +1,16 @@
 //! Where the sheet is nearest to an obstacle: at vertices, within edges, within faces.
 //!
 //! Distance to a convex obstacle is a convex function, so over a face it has one minimum. It lies at a
-//! vertex, within an edge, or inside; looking at all three covers the whole surface, not only its vertices.
+//! vertex, within an edge, or inside; looking at all three covers the whole surface, not only its vertices. A triangle
+//! mesh is not convex: [`super::surface`] looks for all minima.
 
 use nalgebra::Vector3;
 
 use super::distance::Distance;
+use super::layers;
 use super::minimum::{First, within_edge, within_face};
-use super::obstacle::Obstacle;
+use super::obstacle::{Obstacle, Shape};
+use super::surface::{self, Candidates, Found, Part, Surface};
 use crate::sheet::Mesh;
 
 /// A point of the sheet near an obstacle.
@@ -27,6 +30,8 @@ pub struct Proximity {
     pub share: f64,
     /// Distance from the middle surface to the obstacle there.
     pub distance: Distance,
+    /// What of a triangle mesh it is near to; `None` near other shapes.
+    pub part: Option<Part>,
 }
 
 impl Proximity {
@@ -49,6 +54,9 @@ impl Proximity {
 
 /// Bits of a key below the obstacle.
 const FEATURE_BITS: u32 = 40;
+/// Bits of the obstacle, above which stands the number of a contact among those of one feature.
+const OBSTACLE_BITS: u32 = 16;
+const OBSTACLE_MASK: u64 = ((1 << OBSTACLE_BITS) - 1) << FEATURE_BITS;
 
 fn key(obstacle: u32, kind: u64, feature: u32) -> u64 {
     (u64::from(obstacle) << FEATURE_BITS) | (kind << 36) | u64::from(feature)
@@ -56,16 +64,16 @@ fn key(obstacle: u32, kind: u64, feature: u32) -> u64 {
 
 /// Index of the obstacle in a proximity's key.
 pub fn obstacle_of(key: u64) -> u32 {
-    (key >> FEATURE_BITS) as u32
+    ((key & OBSTACLE_MASK) >> FEATURE_BITS) as u32
 }
 
 /// The key of the same feature near the obstacle that has another index now.
 pub fn with_obstacle(key: u64, obstacle: u32) -> u64 {
-    key & ((1 << FEATURE_BITS) - 1) | (u64::from(obstacle) << FEATURE_BITS)
+    key & !OBSTACLE_MASK | (u64::from(obstacle) << FEATURE_BITS)
 }
 
 /// Lead over the rim at which a point within an edge or face has its full share \[m\].
-const LEAD: f64 = 2e-5;
+pub(super) const LEAD: f64 = 2e-5;
 
 /// Precomputed incidence for [`detect`].
 #[derive(Clone, Debug)]
@@ -89,6 +97,34 @@ impl Features {
         }
         Self { vertex, edge }
     }
+
+    /// A face that holds a part of the sheet.
+    pub fn face_of(&self, part: layers::Part) -> u32 {
+        match part {
+            layers::Part::Vertex(v) => self.vertex[v as usize].0,
+            layers::Part::Edge(e) => self.edge[e as usize].0,
+            layers::Part::Face(f) => f,
+        }
+    }
+
+    /// A face of a vertex, with the weights of the vertex in it.
+    fn on_vertex(&self, vertex: usize) -> (u32, [f64; 3]) {
+        let (face, corner) = self.vertex[vertex];
+        let mut weights = [0.0; 3];
+        weights[corner as usize] = 1.0;
+        (face, weights)
+    }
+
+    /// A face of an edge, with the weights in it of a point at a fraction of the way along the edge.
+    fn on_edge(&self, mesh: &Mesh, edge: usize, t: f64) -> (u32, [f64; 3]) {
+        let (face, corner) = self.edge[edge];
+        let mut weights = [0.0; 3];
+        for k in (0..3).filter(|&k| k != corner as usize) {
+            let at_a = mesh.faces[face as usize][k] == mesh.edges[edge][0];
+            weights[k] = if at_a { 1.0 - t } else { t };
+        }
+        (face, weights)
+    }
 }
 
 /// Features of the sheet that can come closer to an obstacle than a reach, and nearer there than anywhere on their
@@ -103,9 +139,20 @@ pub struct Nearby {
     edge_slots: Vec<[u32; 2]>,
     /// Where the corners of the faces stand in `vertices`.
     face_slots: Vec<[u32; 3]>,
+    /// What may come near to a triangle mesh, in place of edges and faces.
+    candidates: Candidates,
 }
 
 impl Nearby {
+    /// What may come near to a triangle mesh, with the vertices of all of it.
+    pub(super) fn of_surface(vertices: Vec<u32>, candidates: Candidates) -> Self {
+        Self {
+            vertices,
+            candidates,
+            ..Self::default()
+        }
+    }
+
     /// The vertices that may be near, and all ends of the edges and corners of the faces that may be.
     pub fn vertices(&self) -> &[u32] {
         &self.vertices
@@ -120,8 +167,13 @@ impl Nearby {
         reach: f64,
         margin: f64,
     ) -> Self {
-        let reach = reach + margin - body.overlap.depth;
         let local = body.all_to_local(positions.iter());
+        if let Shape::Mesh(surface) = &body.shape {
+            let deep = surface.is_closed() && body.overlap.depth > 0.0;
+            let reach = reach - body.overlap.depth;
+            return surface::find(mesh, &local, surface, (reach, margin, deep));
+        }
+        let reach = reach + margin - body.overlap.depth;
         let firsts: Vec<First> = local.iter().map(|p| body.shape.first_order(p)).collect();
         let values: Vec<f64> = firsts.iter().map(|first| first.0).collect();
         let straight = |p| body.shape.straight(p) > margin;
@@ -179,7 +231,20 @@ impl Nearby {
             faces,
             edge_slots,
             face_slots,
+            candidates: Candidates::default(),
         }
+    }
+}
+
+/// How deep the middle of the sheet is inside an obstacle that is a closed mesh \[m\], not negative; 0 for others, which see
+/// the sheet wherever it is.
+pub fn depth_inside(mesh: &Mesh, positions: &[Vector3<f64>], body: &Obstacle) -> f64 {
+    match &body.shape {
+        Shape::Mesh(surface) if surface.is_closed() => {
+            let local = body.all_to_local(positions.iter());
+            surface::depth_inside(mesh, &local, surface)
+        }
+        _ => 0.0,
     }
 }
 
@@ -197,6 +262,21 @@ pub fn detect(
     let (index, body) = obstacle;
     let reach = reach - body.overlap.depth;
     let local = body.all_to_local(nearby.vertices.iter().map(|&v| &positions[v as usize]));
+    if let Shape::Mesh(surface) = &body.shape {
+        let mut near = vec![];
+        surface::detect(
+            (mesh, surface),
+            &nearby.candidates,
+            &local,
+            reach,
+            &mut near,
+        );
+        let proximities = near
+            .iter()
+            .map(|near| near_surface((mesh, features), obstacle, surface, near));
+        found.extend(proximities);
+        return;
+    }
     let values: Vec<First> = local.iter().map(|p| body.shape.first_order(p)).collect();
     let key = |kind: u64, feature: u32| key(index, kind, feature);
     let mut add = |key, face, weights, share, at: &Vector3<f64>| {
@@ -208,13 +288,12 @@ pub fn detect(
             weights,
             share,
             distance,
+            part: None,
         });
     };
     for (i, &v) in nearby.vertices.iter().enumerate() {
         if values[i].0 < reach {
-            let (face, corner) = features.vertex[v as usize];
-            let mut weights = [0.0; 3];
-            weights[corner as usize] = 1.0;
+            let (face, weights) = features.on_vertex(v as usize);
             add(key(0, v), face, weights, 1.0, &local[i]);
         }
     }
@@ -232,12 +311,7 @@ pub fn detect(
             continue;
         }
         let ends = slots.map(|i| local[i as usize]);
-        let (face, corner) = features.edge[e as usize];
-        let mut weights = [0.0; 3];
-        for k in (0..3).filter(|&k| k != corner as usize) {
-            let at_a = mesh.faces[face as usize][k] == mesh.edges[e as usize][0];
-            weights[k] = if at_a { 1.0 - t } else { t };
-        }
+        let (face, weights) = features.on_edge(mesh, e as usize, t);
         let at = ends[0] + (ends[1] - ends[0]) * t;
         let rim = slots.map(|i| values[i as usize].0);
         add(
@@ -264,8 +338,33 @@ pub fn detect(
     }
 }
 
+/// A point near a triangle mesh, in the world.
+fn near_surface(
+    (mesh, features): (&Mesh, &Features),
+    (index, body): (u32, &Obstacle),
+    surface: &Surface,
+    near: &Found,
+) -> Proximity {
+    let feature = near.feature as usize;
+    let (face, weights) = match near.kind {
+        0 => features.on_vertex(feature),
+        1 => features.on_edge(mesh, feature, near.weights[1]),
+        _ => (near.feature, near.weights),
+    };
+    Proximity {
+        key: key(index, near.kind, near.feature)
+            | u64::from(near.number) << (FEATURE_BITS + OBSTACLE_BITS),
+        obstacle: index,
+        face,
+        weights,
+        share: near.share,
+        distance: body.to_world(&surface.distance_to(near.part, &near.at)),
+        part: Some(near.part),
+    }
+}
+
 /// Share of a point that lies nearer than the rim by `lead` \[m\].
-fn share(lead: f64) -> f64 {
+pub(super) fn share(lead: f64) -> f64 {
     let s = (lead / LEAD).clamp(0.0, 1.0);
     s * s * (3.0 - 2.0 * s)
 }

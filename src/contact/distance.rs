@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::obstacle::{Obstacle, Shape};
+use super::surface::Part;
 
 /// Signed distance at a point and its derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +23,16 @@ impl Obstacle {
     /// Distance from a point in the world to the surface that acts (see [`Overlap`](super::Overlap)).
     pub fn distance(&self, point: &Vector3<f64>) -> Distance {
         self.to_world(&self.shape.distance(&self.to_local(point)))
+    }
+
+    /// The same from one part of a triangle mesh, prolonged, if it is one and a part is given.
+    pub fn distance_to(&self, part: Option<Part>, point: &Vector3<f64>) -> Distance {
+        match (&self.shape, part) {
+            (Shape::Mesh(surface), Some(part)) => {
+                self.to_world(&surface.distance_to(part, &self.to_local(point)))
+            }
+            _ => self.distance(point),
+        }
     }
 
     /// A point of the world in the obstacle's frame.
@@ -82,17 +93,17 @@ impl Shape {
                 let cap = p.z.abs() - 0.5 * length;
                 within(cap, p.x.hypot(p.y) - radius, p.z.abs())
             }
-            Self::Sphere { .. } | Self::Capsule { .. } => 0.0,
+            Self::Sphere { .. } | Self::Capsule { .. } | Self::Mesh(_) => 0.0,
         }
     }
 
-    /// Radius of the largest ball inside \[m\]; zero for a disc, infinite for a plane.
+    /// Radius of a ball inside \[m\]: the largest; zero for a disc and a mesh, which may be thin; infinite for a plane.
     pub fn inner_radius(&self) -> f64 {
         match *self {
             Self::Plane => f64::INFINITY,
             Self::Box { size: [x, y, z] } => 0.5 * x.min(y).min(z),
             Self::Sphere { radius } | Self::Capsule { radius, .. } => radius,
-            Self::Disc { .. } => 0.0,
+            Self::Disc { .. } | Self::Mesh(_) => 0.0,
             Self::Cylinder { radius, length } => radius.min(0.5 * length),
         }
     }
@@ -101,11 +112,15 @@ impl Shape {
     pub(super) fn core(&self) -> f64 {
         match *self {
             Self::Sphere { radius } | Self::Capsule { radius, .. } => radius,
-            Self::Plane | Self::Box { .. } | Self::Disc { .. } | Self::Cylinder { .. } => 0.0,
+            Self::Plane
+            | Self::Box { .. }
+            | Self::Disc { .. }
+            | Self::Cylinder { .. }
+            | Self::Mesh(_) => 0.0,
         }
     }
 
-    /// Distance from a point in the shape's frame. All shapes are convex, so the value is a convex function.
+    /// Distance from a point in the shape's frame: a convex function, but for meshes.
     #[inline(always)]
     pub fn distance(&self, p: &Vector3<f64>) -> Distance {
         match *self {
@@ -125,6 +140,7 @@ impl Shape {
                 };
                 round(&(p - on_axis), radius, &free)
             }
+            Self::Mesh(ref surface) => surface.distance(p),
         }
     }
 }

@@ -6,10 +6,12 @@ pub mod layers;
 mod minimum;
 mod motion;
 mod obstacle;
+pub mod surface;
 #[cfg(test)]
 mod test;
 
-pub use detect::{Features, Nearby, Proximity, detect, obstacle_of, with_obstacle};
+pub use detect::{Features, Nearby, Proximity, depth_inside, detect, obstacle_of, with_obstacle};
 pub use distance::Distance;
 pub use motion::{Law, Motion};
 pub use obstacle::{Obstacle, Overlap, Pose, Shape, Velocity};
+pub use surface::{Surface, SurfaceError};

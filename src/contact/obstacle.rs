@@ -1,9 +1,11 @@
-//! Rigid obstacles: a convex shape with a pose and a velocity.
+//! Rigid obstacles: a shape with a pose and a velocity.
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// Shape of an obstacle in its own frame; every one is convex. Lengths in metres.
+use super::surface::Surface;
+
+/// Shape of an obstacle in its own frame; every one is convex, but for meshes. Lengths in metres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Shape {
@@ -38,6 +40,8 @@ pub enum Shape {
         /// Length of the axis \[m\].
         length: f64,
     },
+    /// Triangles: a solid if they are closed, else a plate without thickness.
+    Mesh(Surface),
 }
 
 /// Where an obstacle is: `world = orientation * local + position`.

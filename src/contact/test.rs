@@ -2,7 +2,8 @@ use nalgebra::{Matrix3, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use super::{Features, Nearby, Obstacle, Pose, Proximity, Shape, detect};
+use super::surface::test::{ball, cuboid};
+use super::{Features, Nearby, Obstacle, Pose, Proximity, Shape, Surface, detect};
 use crate::sheet::{Mesh, MeshOptions, Outline, generate};
 
 struct Chance(Pcg64);
@@ -33,6 +34,13 @@ fn shapes() -> [Shape; 6] {
     ]
 }
 
+/// Those, and meshes: a box, and a ball of flat triangles.
+fn all_shapes() -> Vec<Shape> {
+    let surface = |given| Shape::Mesh(Surface::try_from(given).expect("a surface"));
+    let meshes = [cuboid([0.04, 0.05, 0.06]), ball(0.02, 6)].map(surface);
+    shapes().into_iter().chain(meshes).collect()
+}
+
 fn placed(shape: Shape, chance: &mut Chance) -> Obstacle {
     let turn = nalgebra::UnitQuaternion::from_scaled_axis(chance.vector(3.0));
     Obstacle {
@@ -47,7 +55,7 @@ fn placed(shape: Shape, chance: &mut Chance) -> Obstacle {
 #[test]
 fn derivatives_of_distance_hold_for_every_shape() {
     let mut chance = chance(1);
-    for shape in shapes() {
+    for shape in all_shapes() {
         let body = placed(shape, &mut chance);
         let mut checked = 0;
         while checked < 200 {
@@ -152,7 +160,7 @@ fn detection_covers_the_whole_surface() {
     const REACH: f64 = 5e-4;
     let (mesh, mut chance) = (coarse(), chance(3));
     let features = Features::new(&mesh);
-    for shape in shapes() {
+    for shape in all_shapes() {
         let (mut kinds, mut worst) = ([0; 3], 0.0f64);
         for _ in 0..60 {
             let body = placed(shape.clone(), &mut chance);
@@ -175,19 +183,23 @@ fn detection_covers_the_whole_surface() {
                 REACH,
                 &mut found,
             );
-            check_points(&mesh, &positions, &body, &found);
+            let deepest = |face: &[u32; 3]| sampled(&body, face.map(|v| positions[v as usize]));
+            let exact: Vec<f64> = mesh.faces.iter().map(deepest).collect();
+            // Where it is far inside of a mesh, more than what is nearest is found.
+            let apart = exact.iter().all(|depth| *depth >= 0.0);
+            let strict = apart || !matches!(body.shape, Shape::Mesh(_));
+            check_points(&mesh, &positions, &body, (&found, strict));
             for near in &found {
                 kinds[near.freedom()] += 1;
             }
-            for face in &mesh.faces {
-                let exact = sampled(&body, face.map(|v| positions[v as usize]));
+            for (face, exact) in mesh.faces.iter().zip(exact) {
                 let ours = found
                     .iter()
                     .filter(|near| within(&mesh, near, face))
                     .fold(REACH, |m: f64, near| m.min(near.distance.value));
                 if exact >= 0.0 {
                     worst = worst.max(ours - exact.min(REACH));
-                } else {
+                } else if !matches!(body.shape, Shape::Mesh(_)) {
                     assert!(ours < 0.0, "{:?}: {exact} deep is not seen", body.shape);
                 }
             }
@@ -197,12 +209,15 @@ fn detection_covers_the_whole_surface() {
             "{shape:?}: a point is {worst:e} m deeper than any found"
         );
         assert!(kinds[0] > 5, "{shape:?}: features found {kinds:?}");
-        if shape != Shape::Plane {
-            assert!(
-                kinds[1] > 20 && kinds[2] > 2,
-                "{shape:?}: features found {kinds:?}"
-            );
-        }
+        let least = match shape {
+            Shape::Plane => [0, 0],
+            Shape::Mesh(_) => [4, 1],
+            _ => [21, 3],
+        };
+        assert!(
+            kinds[1] >= least[0] && kinds[2] >= least[1],
+            "{shape:?}: features found {kinds:?}"
+        );
     }
 }
 
@@ -213,7 +228,12 @@ fn within(mesh: &Mesh, near: &Proximity, face: &[u32; 3]) -> bool {
 }
 
 /// What a proximity says of itself holds: its weights, its distance at its point, its unique key.
-fn check_points(mesh: &Mesh, positions: &[Vector3<f64>], body: &Obstacle, found: &[Proximity]) {
+fn check_points(
+    mesh: &Mesh,
+    positions: &[Vector3<f64>],
+    body: &Obstacle,
+    (found, strict): (&[Proximity], bool),
+) {
     let mut keys: Vec<u64> = found.iter().map(|near| near.key).collect();
     keys.sort_unstable();
     keys.dedup();
@@ -222,7 +242,9 @@ fn check_points(mesh: &Mesh, positions: &[Vector3<f64>], body: &Obstacle, found:
         let x = mesh.faces[near.face as usize].map(|v| positions[v as usize]);
         let y = x[0] * near.weights[0] + x[1] * near.weights[1] + x[2] * near.weights[2];
         assert!((near.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-        assert!((body.distance(&y).value - near.distance.value).abs() < 1e-12);
+        let off = near.distance.value - body.distance(&y).value;
+        let tie = if near.part.is_some() { 2e-5 } else { 1e-12 };
+        assert!(off.abs() < tie || (off > 0.0 && !strict), "{off:e}");
         assert!((0.0..=1.0).contains(&near.share), "share {}", near.share);
     }
 }
@@ -274,7 +296,7 @@ fn what_is_near_holds_within_its_margin() {
     const MARGIN: f64 = 1e-3;
     let (mesh, mut chance) = (coarse(), chance(5));
     let features = Features::new(&mesh);
-    for shape in shapes() {
+    for shape in all_shapes() {
         let mut touched = 0;
         for _ in 0..60 {
             let body = placed(shape.clone(), &mut chance);

@@ -213,8 +213,13 @@ impl<'a> Drive<'a> {
     }
 
     fn contacts(&self) -> Option<Vec<ContactPoint>> {
-        let has_contact = self.simulation.model().contact.is_some();
-        has_contact.then(|| self.simulation.contacts())
+        let model = self.simulation.model();
+        let has_contact = model.contact.is_some() || model.layers.is_some();
+        has_contact.then(|| {
+            let mut contacts = self.simulation.contacts();
+            contacts.extend(self.simulation.layer_contacts());
+            contacts
+        })
     }
 
     fn counters(&self) -> Counters {

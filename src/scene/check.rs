@@ -79,6 +79,7 @@ fn value(node: &Node, path: &str, kind: &Kind) -> Result<(), SceneError> {
         }
         Kind::Points(range) => rows(node, path, 2, range, &expected),
         Kind::Triples(range) => rows(node, path, 3, range, &expected),
+        Kind::Corners => corners(node, path, &expected),
         Kind::Series(range) => {
             for item in items(node, path, &expected)? {
                 if !range.contains(number(item, path, &expected)?) {
@@ -127,6 +128,24 @@ fn rows(
     for row in items(node, path, expected)? {
         let numbers = numbers(row, path, count, expected)?;
         if !numbers.iter().all(|value| range.contains(*value)) {
+            return Err(out_of_range(row, path, expected()));
+        }
+    }
+    Ok(())
+}
+
+/// An array of arrays of three whole numbers that are not negative.
+fn corners(node: &Node, path: &str, expected: &dyn Fn() -> String) -> Result<(), SceneError> {
+    for row in items(node, path, expected)? {
+        let whole = |node: &Node| match &node.value {
+            Value::Leaf(toml::Value::Integer(index)) => u32::try_from(*index).is_ok(),
+            _ => false,
+        };
+        let three = match &row.value {
+            Value::Array(items) => items.len() == 3 && items.iter().all(whole),
+            _ => return Err(wrong_type(row, path, expected())),
+        };
+        if !three {
             return Err(out_of_range(row, path, expected()));
         }
     }
@@ -268,7 +287,7 @@ fn join(path: &str, name: &str) -> String {
 }
 
 /// The refusal of a value.
-fn refuse(node: &Node, path: &str, problem: Problem) -> SceneError {
+pub(super) fn refuse(node: &Node, path: &str, problem: Problem) -> SceneError {
     SceneError {
         value: Some(node.shown()),
         ..refuse_key(node, path, problem)

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::FabricError;
+use crate::contact::SurfaceError;
 
 /// Where a value was written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -70,6 +71,9 @@ pub enum Problem {
     /// Each value is allowed alone, but not with the others.
     #[error("{0}")]
     Conflict(String),
+    /// The triangles do not make an obstacle.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
     /// The constants do not make a fabric.
     #[error(transparent)]
     Fabric(#[from] FabricError),

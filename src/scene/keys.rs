@@ -27,6 +27,8 @@ pub(super) enum Kind {
     Series(Range),
     /// An array of arrays of three numbers, at least one.
     Triples(Range),
+    /// An array of arrays of three whole numbers, at least one.
+    Corners,
     /// One line of text of at most this many characters.
     Text(usize),
     /// A name that can be part of a file name.
@@ -62,8 +64,8 @@ const fn may(name: &'static str, kind: Kind) -> Key {
 }
 
 use Kind::{
-    Axes, Choice, Count, FileName, Named, Number, Points, Series, Table, Tagged, Text, Triples,
-    Vector,
+    Axes, Choice, Corners, Count, FileName, Named, Number, Points, Series, Table, Tagged, Text,
+    Triples, Vector,
 };
 
 /// Angles of poses.
@@ -221,6 +223,15 @@ const SHAPE: &[(&str, &[Key])] = &[
         "capsule",
         &[need("radius", Number(SIZE)), need("length", Number(SIZE))],
     ),
+    (
+        "mesh",
+        &[
+            may("file", Text(1000)),
+            may("scale", Number(range(1e-6, 1e6, ""))),
+            may("vertices", Triples(PLACE)),
+            may("triangles", Corners),
+        ],
+    ),
 ];
 
 const AIR: &[Key] = &[
@@ -287,6 +298,7 @@ impl Kind {
             Triples(range) => {
                 format!("an array of [x, y, z] triples {range}, at least one")
             }
+            Corners => "an array of [i, j, k] whole numbers from 0, at least one".to_string(),
             Text(longest) => format!("one line of text, 1 to {longest} characters"),
             FileName => "1 to 64 letters, digits, `-` or `_`, a letter or digit first".to_string(),
             Axes => "some of the letters x, y, z, each at most once".to_string(),

@@ -6,6 +6,7 @@ use super::check;
 use super::cross;
 use super::error::{Origin, Problem, SceneError};
 use super::keys::SCENE;
+use super::meshes::{self, Reader};
 use super::method::OutputSpec;
 use super::overrides::{self, Override};
 use super::spec::Scene;
@@ -14,9 +15,18 @@ use super::warning::{Warning, warnings};
 
 /// Reads a scene from TOML with overrides put in, and checks it.
 pub fn parse(text: &str, overrides: &[Override]) -> Result<(Scene, Vec<Warning>), SceneError> {
+    parse_with(text, overrides, &meshes::no_files)
+}
+
+/// The same for a scene that may name files of triangles, which `read` reads.
+pub fn parse_with(
+    text: &str,
+    overrides: &[Override],
+    read: Reader,
+) -> Result<(Scene, Vec<Warning>), SceneError> {
     let mut document = Node::document(text)?;
     overrides::apply(&mut document, overrides)?;
-    from_document(&mut document)
+    from_document(&mut document, read)
 }
 
 impl Scene {
@@ -24,7 +34,7 @@ impl Scene {
     pub fn check(&self) -> Result<Vec<Warning>, SceneError> {
         let value = toml::Value::try_from(self).map_err(|error| internal(&error.to_string()))?;
         let mut document = Node::from_value(value, &Origin::Document);
-        from_document(&mut document).map(|(_, warnings)| warnings)
+        from_document(&mut document, &meshes::no_files).map(|(_, warnings)| warnings)
     }
 
     /// The scene as TOML, every key written out; [`parse`] gives the same scene back.
@@ -36,8 +46,9 @@ impl Scene {
     }
 }
 
-fn from_document(document: &mut Node) -> Result<(Scene, Vec<Warning>), SceneError> {
+fn from_document(document: &mut Node, read: Reader) -> Result<(Scene, Vec<Warning>), SceneError> {
     check::table(document, "", SCENE)?;
+    meshes::load(document, read)?;
     fit_default_rate(document);
     let scene =
         Scene::deserialize(document.to_value()).map_err(|error| internal(&error.to_string()))?;

@@ -143,6 +143,17 @@ impl Node {
         }
     }
 
+    /// The entries of a table in this one.
+    pub(super) fn entries_mut(&mut self, key: &str) -> Option<&mut BTreeMap<String, Node>> {
+        let Value::Table(table) = &mut self.value else {
+            return None;
+        };
+        match &mut table.get_mut(key)?.value {
+            Value::Table(entries) => Some(entries),
+            _ => None,
+        }
+    }
+
     /// Where the value under a dotted key was written; the nearest table above it if it is absent.
     pub(super) fn find(&self, key: &str) -> (&Node, bool) {
         let mut node = self;

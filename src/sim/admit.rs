@@ -55,7 +55,8 @@ fn named(name: &str) -> Result<(), Rejected> {
 
 fn shape(shape: &Shape) -> Result<(), Rejected> {
     let sizes: &[(&str, f64)] = match *shape {
-        Shape::Plane => &[],
+        // A surface is checked when it is made.
+        Shape::Plane | Shape::Mesh(_) => &[],
         Shape::Box { size: [x, y, z] } => &[("size.x", x), ("size.y", y), ("size.z", z)],
         Shape::Sphere { radius } | Shape::Disc { radius } => &[("radius", radius)],
         Shape::Cylinder { radius, length } | Shape::Capsule { radius, length } => {

@@ -88,8 +88,12 @@ impl Digest {
             Shape::Disc { radius } => (3, [radius, 0.0, 0.0]),
             Shape::Cylinder { radius, length } => (4, [radius, length, 0.0]),
             Shape::Capsule { radius, length } => (5, [radius, length, 0.0]),
+            Shape::Mesh(_) => (6, [0.0; 3]),
         };
         self.whole(kind);
+        if let Shape::Mesh(surface) = &obstacle.shape {
+            self.whole(surface.digest());
+        }
         sizes.iter().for_each(|size| self.number(*size));
         self.vector(&obstacle.pose.translation.vector);
         // All four components: the real one is not known from the others once rounding has been at them.

@@ -4,7 +4,7 @@ use super::command::Rejected;
 use super::model::Model;
 use super::state::State;
 use super::touch::Touch;
-use crate::contact::Overlap;
+use crate::contact::{Overlap, depth_inside};
 use crate::physics::contact::ContactLaw;
 use crate::scene::OverlapRule;
 
@@ -22,7 +22,7 @@ pub fn enter(model: &Model, state: &mut State, at: usize, deep: f64) -> Result<T
     };
     state.obstacles[at].overlap = Overlap::default();
     let touch = Touch::of(model, state, Some(at));
-    let depth = touch.deepest(law);
+    let depth = touch.deepest(law).max(sunk(model, law, state, at));
     let spec = &model.scene.overlap;
     if spec.rule == OverlapRule::Refuse && depth > law.offset.max(deep) {
         return Err(Rejected::Overlap {
@@ -60,7 +60,16 @@ pub fn deepest(model: &Model, law: &ContactLaw, state: &State, touch: &Touch) ->
             let mut whole = state.clone();
             whole.obstacles[at].overlap = Overlap::default();
             deepest = deepest.max(Touch::of(model, &whole, Some(at)).deepest(law));
+            deepest = deepest.max(sunk(model, law, state, at));
         }
     }
     deepest
+}
+
+/// Deepest point of the cloth's surface in a solid that only sees cloth near its own surface \[m\], not negative.
+fn sunk(model: &Model, law: &ContactLaw, state: &State, at: usize) -> f64 {
+    match depth_inside(&model.mesh, &state.positions, &state.obstacles[at]) {
+        0.0 => 0.0,
+        depth => depth + law.offset,
+    }
 }

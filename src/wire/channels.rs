@@ -100,6 +100,9 @@ pub static TOPOLOGY: Channel = channel::<MeshTopology>("/toile/topology", Qos::L
 /// URDF of the obstacles.
 pub static ROBOT_DESCRIPTION: Channel =
     channel::<Text>("/robot_description", Qos::Latched, Rate::Once);
+/// The obstacles that a URDF cannot hold: triangle meshes.
+pub static OBSTACLE_MARKERS: Channel =
+    channel::<MarkerArray>("/toile/obstacle_markers", Qos::Latched, Rate::Once);
 /// Simulated time, for `use_sim_time`.
 pub static CLOCK: Channel = channel::<Clock>("/clock", Qos::Newest, Rate::Output);
 /// Poses of the obstacles.
@@ -134,9 +137,10 @@ pub static DIAGNOSTICS: Channel =
 pub static LOG: Channel = channel::<Log>("/rosout", Qos::Latched, Rate::Event);
 
 /// All of them, in the order in which they are published.
-pub static ALL: [&Channel; 14] = [
+pub static ALL: [&Channel; 15] = [
     &TOPOLOGY,
     &ROBOT_DESCRIPTION,
+    &OBSTACLE_MARKERS,
     &CLOCK,
     &TF,
     &STATE,

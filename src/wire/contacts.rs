@@ -13,7 +13,7 @@ use super::obstacles::{wire_point, wire_vector};
 use super::packets::{Packet, packet, packet_of};
 use super::{channels, header};
 use crate::contact::Obstacle;
-use crate::sim::ContactPoint;
+use crate::sim::{ContactPoint, SHEET};
 
 /// Length at which the largest contact force is drawn \[m\].
 const LONGEST_ARROW: f64 = 0.03;
@@ -68,9 +68,17 @@ impl ContactWatch {
     }
 }
 
+/// The obstacle of a contact, or the sheet itself, whichever of its triangles that is now.
+fn body(contact: &ContactPoint) -> &str {
+    match contact.obstacle.starts_with(SHEET) {
+        true => SHEET,
+        false => &contact.obstacle,
+    }
+}
+
 /// Contacts by obstacle and key.
 fn by_key(contacts: &[ContactPoint]) -> BTreeMap<(&str, u64), &ContactPoint> {
-    let keyed = contacts.iter().map(|c| ((c.obstacle.as_str(), c.key), c));
+    let keyed = contacts.iter().map(|c| ((body(c), c.key), c));
     keyed.collect()
 }
 

@@ -5,7 +5,7 @@ use super::messages::{rosgraph_msgs::Clock, std_msgs::String as Text};
 use super::packets::{Packet, packet};
 use super::{
     ContactWatch, Counters, channels, cloud, diagnostics, keyframe, markers, report,
-    robot_description, stamp, topology, transforms,
+    robot_description, solids, stamp, topology, transforms,
 };
 use crate::contact::{Obstacle, Shape};
 use crate::sim::{ContactPoint, Model, State, StepReport};
@@ -40,10 +40,9 @@ impl Encoder {
         model: &Model,
         obstacles: &[Obstacle],
     ) -> Result<Vec<Packet>, CdrError> {
-        Ok(vec![
-            packet(&channels::TOPOLOGY, 0.0, &topology(&model.mesh))?,
-            self.describe(obstacles, 0.0)?,
-        ])
+        let mut packets = vec![packet(&channels::TOPOLOGY, 0.0, &topology(&model.mesh))?];
+        packets.extend(self.describe(obstacles, 0.0)?);
+        Ok(packets)
     }
 
     /// What is said of one state; the shapes too, if they are others than before.
@@ -57,7 +56,7 @@ impl Encoder {
         let time = step.time;
         let mut packets = vec![];
         if !self.described.iter().eq(&shapes(&state.obstacles)) {
-            packets.push(self.describe(&state.obstacles, time)?);
+            packets.extend(self.describe(&state.obstacles, time)?);
         }
         let clock = Clock { clock: stamp(time) };
         packets.push(packet(&channels::CLOCK, time, &clock)?);
@@ -91,12 +90,19 @@ impl Encoder {
         Ok(packets)
     }
 
-    fn describe(&mut self, obstacles: &[Obstacle], time: f64) -> Result<Packet, CdrError> {
+    fn describe(&mut self, obstacles: &[Obstacle], time: f64) -> Result<Vec<Packet>, CdrError> {
+        let mesh = |(_, shape): &(String, Shape)| matches!(shape, Shape::Mesh(_));
+        let before = self.described.iter().any(mesh);
         self.described = shapes(obstacles);
         let urdf = Text {
             data: robot_description(obstacles),
         };
-        packet(&channels::ROBOT_DESCRIPTION, time, &urdf)
+        let mut packets = vec![packet(&channels::ROBOT_DESCRIPTION, time, &urdf)?];
+        if before || self.described.iter().any(mesh) {
+            let drawn = solids(obstacles, time);
+            packets.push(packet(&channels::OBSTACLE_MARKERS, time, &drawn)?);
+        }
+        Ok(packets)
     }
 }
 

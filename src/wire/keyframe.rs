@@ -6,7 +6,8 @@ use super::inbound::Malformed;
 use super::messages::geometry_msgs;
 use super::messages::toile_msgs::{Air as WireAir, Keyframe, Obstacle as WireObstacle};
 use super::{header, obstacles};
-use crate::contact::{Obstacle, Overlap, Pose, Shape, Velocity};
+use crate::contact::surface::Triangles;
+use crate::contact::{Obstacle, Overlap, Pose, Shape, Surface, Velocity};
 use crate::sim::{Air, AirRegion, History, Ledger, Memory, State};
 
 /// A state with its digest, at its simulated time \[s\].
@@ -151,6 +152,7 @@ fn vector(v: &geometry_msgs::Vector3) -> Vector3<f64> {
 
 fn obstacle(obstacle: &Obstacle) -> WireObstacle {
     let (shape, dimensions) = match obstacle.shape {
+        Shape::Mesh(ref surface) => (WireObstacle::MESH, numbers(surface)),
         Shape::Plane => (WireObstacle::PLANE, vec![]),
         Shape::Box { size } => (WireObstacle::BOX, size.to_vec()),
         Shape::Sphere { radius } => (WireObstacle::SPHERE, vec![radius]),
@@ -171,6 +173,40 @@ fn obstacle(obstacle: &Obstacle) -> WireObstacle {
     }
 }
 
+/// A mesh as numbers: how many vertices, their coordinates, the corners of the triangles.
+fn numbers(surface: &Surface) -> Vec<f64> {
+    let vertices = surface.vertices();
+    let corners = surface.triangles().iter().flatten();
+    let mut numbers = vec![vertices.len() as f64];
+    numbers.extend(vertices.iter().flatten());
+    numbers.extend(corners.map(|v| f64::from(*v)));
+    numbers
+}
+
+fn surface(numbers: &[f64]) -> Result<Surface, Malformed> {
+    let count = numbers.first().map_or(0, |count| *count as usize);
+    let rest = numbers.get(1..).unwrap_or_default();
+    let (vertices, corners) = rest.split_at(count.saturating_mul(3).min(rest.len()));
+    let whole = |c: &f64| *c as u32;
+    let given = Triangles {
+        vertices: vertices.as_chunks::<3>().0.to_vec(),
+        triangles: corners
+            .as_chunks::<3>()
+            .0
+            .iter()
+            .map(|t| t.each_ref().map(whole))
+            .collect(),
+    };
+    let malformed = |reason: &str| {
+        let found = format_args!("{} numbers of a mesh", numbers.len());
+        Malformed::range("obstacles.dimensions", found, reason)
+    };
+    if given.vertices.len() != count || corners.len() % 3 != 0 {
+        return Err(malformed("must be three a vertex and three a triangle"));
+    }
+    Surface::try_from(given).map_err(|error| malformed(&error.to_string()))
+}
+
 fn read(obstacle: &WireObstacle) -> Result<Obstacle, Malformed> {
     let shape = match (obstacle.shape, &obstacle.dimensions[..]) {
         (WireObstacle::PLANE, []) => Shape::Plane,
@@ -179,6 +215,7 @@ fn read(obstacle: &WireObstacle) -> Result<Obstacle, Malformed> {
         (WireObstacle::CYLINDER, &[length, radius]) => Shape::Cylinder { radius, length },
         (WireObstacle::DISC, &[radius]) => Shape::Disc { radius },
         (WireObstacle::CAPSULE, &[length, radius]) => Shape::Capsule { radius, length },
+        (WireObstacle::MESH, numbers) => Shape::Mesh(surface(numbers)?),
         (shape, dimensions) => {
             let found = format_args!("{shape} with {} dimensions", dimensions.len());
             let range = "must be a known shape with its dimensions";

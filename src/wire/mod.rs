@@ -18,6 +18,7 @@ mod obstacles;
 mod packets;
 mod report;
 mod sheet;
+mod solids;
 mod stamp;
 
 pub use applied::applied;
@@ -29,4 +30,5 @@ pub use obstacles::{pose, robot_description, transforms};
 pub use packets::{Packet, kept};
 pub use report::{Counters, report};
 pub use sheet::{markers, topology};
+pub use solids::solids;
 pub use stamp::{WORLD, header, nanoseconds, seconds, stamp};

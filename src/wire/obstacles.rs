@@ -47,6 +47,8 @@ fn solids(shape: &Shape) -> Vec<(f64, String)> {
     let cylinder =
         |radius: f64, length: f64| format!("<cylinder radius=\"{radius}\" length=\"{length}\"/>");
     match *shape {
+        // A URDF names the file of a mesh; its triangles are markers.
+        Shape::Mesh(_) => vec![],
         Shape::Plane => vec![(
             -PLANE_THICKNESS / 2.0,
             cuboid([PLANE_EXTENT, PLANE_EXTENT, PLANE_THICKNESS]),

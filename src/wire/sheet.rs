@@ -10,7 +10,7 @@ use super::messages::visualization_msgs::{Marker, MarkerArray};
 use crate::sheet::Mesh;
 
 /// `visualization_msgs/msg/Marker` code of a triangle list.
-const TRIANGLE_LIST: i32 = 11;
+pub(super) const TRIANGLE_LIST: i32 = 11;
 /// Colour of the cloth: a natural linen.
 const CLOTH: ColorRGBA = ColorRGBA {
     r: 0.86,

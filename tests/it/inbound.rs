@@ -207,7 +207,7 @@ fn what_cannot_be_meant_is_refused_with_field_and_range() {
         ),
         ("shape = 9", ObstacleCommand { shape: 9, ..ball() }),
         (
-            "shape = \"MESH\"",
+            "mesh = 0 triangles",
             ObstacleCommand {
                 shape: ObstacleCommand::MESH,
                 ..ball()

@@ -81,7 +81,7 @@ fn what_a_collision_object_may_not_have_is_refused() {
     assert!(refusal(inlet, &sent).contains("primitives = 65 shapes"));
     sent = object(1);
     sent.meshes = vec![Default::default()];
-    assert!(refusal(inlet, &sent).contains("meshes = 1 meshes is not supported"));
+    assert!(refusal(inlet, &sent).contains("meshes[0] = 0 triangles"));
     sent = object(1);
     sent.operation = CollisionObject::APPEND;
     assert!(refusal(inlet, &sent).contains("operation = \"APPEND\""));

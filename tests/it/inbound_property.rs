@@ -87,7 +87,7 @@ fn assert_sane(command: &Command) {
     };
     let shaped = |shape: &Shape| {
         let sizes = match shape {
-            Shape::Plane => vec![],
+            Shape::Plane | Shape::Mesh(_) => vec![],
             Shape::Box { size } => size.to_vec(),
             Shape::Sphere { radius } | Shape::Disc { radius } => vec![*radius],
             Shape::Cylinder { radius, length } | Shape::Capsule { radius, length } => {

@@ -123,6 +123,8 @@ fn every_carrier_gets_the_bytes_of_the_file() {
             .filter(|p| std::ptr::eq(p.channel, channel))
             .count();
         let expected = match channel.rate {
+            // No obstacle is a mesh.
+            Rate::Once if channel.topic == "/toile/obstacle_markers" => 0,
             Rate::Once => 1,
             // steps 0, 2, ... 20
             Rate::Output if channel.is_per_obstacle() => 11 * scene().obstacle.len(),

@@ -32,16 +32,34 @@ fn key(kind: u64, first: u32, second: u32) -> u64 {
 
 /// Whether a key belongs to a pair of vertex and face, edge or vertex, or of two edges, that the mesh has.
 pub fn is_pair_of(mesh: &Mesh, key: u64) -> bool {
-    let (first, second) = (
-        (key >> 31 & 0x7fff_ffff) as usize,
-        (key & 0x7fff_ffff) as usize,
-    );
-    let (vertices, edges) = (mesh.material.len(), mesh.edges.len());
+    let there = |part: Part| match part {
+        Part::Vertex(v) => (v as usize) < mesh.material.len(),
+        Part::Edge(e) => (e as usize) < mesh.edges.len(),
+        Part::Face(f) => (f as usize) < mesh.faces.len(),
+    };
+    parts_of(key).into_iter().all(there)
+}
+
+/// A part of the sheet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// A vertex.
+    Vertex(u32),
+    /// An edge.
+    Edge(u32),
+    /// A face.
+    Face(u32),
+}
+
+/// The first and the second feature of a pair.
+pub fn parts_of(key: u64) -> [Part; 2] {
+    let number = |shift: u32| (key >> shift & 0x7fff_ffff) as u32;
+    let (first, second) = (number(31), number(0));
     match key >> 62 {
-        0 => first < vertices && second < mesh.faces.len(),
-        1 => first < vertices && second < edges,
-        2 => first < vertices && second < vertices,
-        _ => first < edges && second < edges,
+        0 => [Part::Vertex(first), Part::Face(second)],
+        1 => [Part::Vertex(first), Part::Edge(second)],
+        2 => [Part::Vertex(first), Part::Vertex(second)],
+        _ => [Part::Edge(first), Part::Edge(second)],
     }
 }
 

@@ -17,6 +17,6 @@ mod tiles;
 pub use candidates::Candidates;
 pub use closest::{Pair, point_to_face, segment_to_segment};
 pub use crossing::{crosses, crossings};
-pub use detect::is_pair_of;
+pub use detect::{Part, is_pair_of, parts_of};
 pub use sweep::{Sweep, safe_share};
 pub use tiles::Tiles;

@@ -117,7 +117,7 @@ impl Contact<'_> {
     fn at(&self, s: usize, x: &Nodes<3>) -> (Distance, [f64; 3]) {
         let near = &self.proximities[s];
         let point = weighted(&near.weights, x);
-        let distance = self.obstacles[near.obstacle as usize].distance(&point);
+        let distance = self.obstacles[near.obstacle as usize].distance_to(near.part, &point);
         let psi = self.law.psi(distance.value - self.law.offset);
         (distance, psi.map(|v| v * near.share))
     }

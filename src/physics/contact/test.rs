@@ -1,7 +1,10 @@
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 use super::{Contact, ContactLaw, weighted};
-use crate::contact::{Features, Nearby, Obstacle, Pose, Proximity, Shape, Velocity, detect};
+use crate::contact::surface::test::cuboid;
+use crate::contact::{
+    Features, Nearby, Obstacle, Pose, Proximity, Shape, Surface, Velocity, detect,
+};
 use crate::physics::suite::{self, Chance};
 use crate::physics::{Gradient, Hessian, Nodes, Potential};
 use crate::sheet::Mesh;
@@ -21,9 +24,10 @@ fn mesh() -> Mesh {
     Mesh::new(points.clone(), points, vec![[0, 1, 2]])
 }
 
-fn shapes() -> [(&'static str, Shape); 6] {
+fn shapes() -> [(&'static str, Shape); 7] {
     let (radius, length) = (3e-3, 8e-3);
     let size = [8e-3, 9e-3, 10e-3];
+    let surface = Surface::try_from(cuboid(size)).expect("a surface");
     [
         ("plane", Shape::Plane),
         ("box", Shape::Box { size }),
@@ -31,6 +35,7 @@ fn shapes() -> [(&'static str, Shape); 6] {
         ("disc", Shape::Disc { radius }),
         ("cylinder", Shape::Cylinder { radius, length }),
         ("capsule", Shape::Capsule { radius, length }),
+        ("mesh", Shape::Mesh(surface)),
     ]
 }
 
@@ -174,7 +179,9 @@ fn derivatives_hold_for_every_shape_and_feature() {
         // On a plane the nearest point is a corner, and a sharp crease is met within edges only.
         let expected = match shape {
             Shape::Plane => [6, 0, 0],
-            Shape::Box { .. } | Shape::Disc { .. } | Shape::Cylinder { .. } => [6, 6, 0],
+            Shape::Box { .. } | Shape::Disc { .. } | Shape::Cylinder { .. } | Shape::Mesh(_) => {
+                [6, 6, 0]
+            }
             _ => [6, 6, 6],
         };
         for kind in 0..3 {

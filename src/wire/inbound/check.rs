@@ -126,7 +126,7 @@ pub(super) fn placed(field: &str, pose: Pose) -> Result<Pose, Malformed> {
 /// A shape that was described in words.
 pub(super) fn shape(shape: Shape) -> Result<Shape, Malformed> {
     match shape {
-        Shape::Plane => {}
+        Shape::Plane | Shape::Mesh(_) => {}
         Shape::Box { size: edges } => {
             for edge in edges {
                 size("entity_resource.shape.size", edge)?;

@@ -2,10 +2,10 @@
 //! of an only shape is that of its object if the object has none.
 //!
 //! An object of one shape that needs no pose of its own is an obstacle of the same name. Any other becomes
-//! several, `NAME_0`, `NAME_1`, ... in the order of primitives, then planes; to move them, MOVE brings the shapes'
+//! several, `NAME_0`, `NAME_1`, ... in the order of primitives, meshes, planes; to move them, MOVE brings the shapes'
 //! poses again, since obstacles do not know of each other.
 
-use super::obstacle::{plane, primitive};
+use super::obstacle::{mesh, plane, primitive};
 use super::{Malformed, Request, check};
 use crate::contact::{Obstacle, Pose, Shape, Velocity};
 use crate::sim::Command;
@@ -95,11 +95,6 @@ pub(super) fn collision_object(object: CollisionObject) -> Result<Request, Malfo
 }
 
 fn put(object: &CollisionObject, name: String) -> Result<Object, Malformed> {
-    if !object.meshes.is_empty() {
-        let instead = "meshes are not, send primitives and planes";
-        let found = format_args!("{} meshes", object.meshes.len());
-        return Err(Malformed::unsupported("meshes", found, instead));
-    }
     let mut shapes: Vec<(Shape, Pose)> = vec![];
     for (i, solid) in object.primitives.iter().take(MOST_SHAPES).enumerate() {
         shapes.push((
@@ -107,12 +102,15 @@ fn put(object: &CollisionObject, name: String) -> Result<Object, Malformed> {
             Pose::identity(),
         ));
     }
+    for (i, triangles) in object.meshes.iter().take(MOST_SHAPES).enumerate() {
+        shapes.push((mesh(&format!("meshes[{i}]"), triangles)?, Pose::identity()));
+    }
     for (i, half_space) in object.planes.iter().take(MOST_SHAPES).enumerate() {
         shapes.push((Shape::Plane, plane(&format!("planes[{i}]"), half_space)?));
     }
-    let count = object.primitives.len() + object.planes.len();
+    let count = object.primitives.len() + object.meshes.len() + object.planes.len();
     if count == 0 || count > MOST_SHAPES {
-        let range = format!("must be 1 to {MOST_SHAPES} with the planes");
+        let range = format!("must be 1 to {MOST_SHAPES} with meshes and planes");
         let found = format_args!("{count} shapes");
         return Err(Malformed::range("primitives", found, &range));
     }
@@ -121,6 +119,7 @@ fn put(object: &CollisionObject, name: String) -> Result<Object, Malformed> {
         &object.primitive_poses,
         object.primitives.len(),
     )?;
+    same("mesh_poses", &object.mesh_poses, object.meshes.len())?;
     same("plane_poses", &object.plane_poses, object.planes.len())?;
     let poses = named(object, &name)?;
     let obstacles = poses.into_iter().zip(shapes);
@@ -167,7 +166,8 @@ fn moved(object: &CollisionObject, name: &str) -> Result<Object, Malformed> {
 /// no shapes.
 fn named(object: &CollisionObject, name: &str) -> Result<Vec<(String, Pose)>, Malformed> {
     let whole = check::lenient_pose("pose", &object.pose)?;
-    let given = object.primitive_poses.iter().chain(&object.plane_poses);
+    let given = object.primitive_poses.iter().chain(&object.mesh_poses);
+    let given = given.chain(&object.plane_poses);
     let poses: Result<Vec<Pose>, Malformed> = given
         .take(MOST_SHAPES + 1)
         .enumerate()

@@ -3,10 +3,11 @@
 use nalgebra::{Translation3, Unit, UnitQuaternion, Vector3};
 
 use super::{Malformed, Request, check};
-use crate::contact::{Obstacle, Pose, Shape, Velocity};
+use crate::contact::surface::Triangles;
+use crate::contact::{Obstacle, Pose, Shape, Surface, Velocity};
 use crate::sim::Command;
 use crate::wire::messages::nav_msgs::Odometry;
-use crate::wire::messages::shape_msgs::{Plane, SolidPrimitive};
+use crate::wire::messages::shape_msgs::{Mesh, Plane, SolidPrimitive};
 use crate::wire::messages::toile_msgs::ObstacleCommand;
 
 /// Adds, moves or removes an obstacle.
@@ -28,10 +29,7 @@ pub(super) fn command(command: ObstacleCommand) -> Result<Request, Malformed> {
 fn added(command: &ObstacleCommand, name: String) -> Result<Obstacle, Malformed> {
     let (shape, local) = match command.shape {
         ObstacleCommand::PLANE => (Shape::Plane, plane("plane", &command.plane)?),
-        ObstacleCommand::MESH => {
-            let instead = "meshes are not, send SOLID, PLANE, DISC or CAPSULE";
-            return Err(Malformed::unsupported("shape", "MESH", instead));
-        }
+        ObstacleCommand::MESH => (mesh("mesh", &command.mesh)?, Pose::identity()),
         kind => (shape(kind, &command.solid)?, Pose::identity()),
     };
     let velocity = match command.set_twist {
@@ -46,6 +44,22 @@ fn added(command: &ObstacleCommand, name: String) -> Result<Obstacle, Malformed>
         friction: check::friction(command.friction)?,
         ..Obstacle::default()
     })
+}
+
+/// A triangle mesh.
+pub(super) fn mesh(field: &str, mesh: &Mesh) -> Result<Shape, Malformed> {
+    let given = Triangles {
+        vertices: mesh.vertices.iter().map(|p| [p.x, p.y, p.z]).collect(),
+        triangles: mesh.triangles.iter().map(|t| t.vertex_indices).collect(),
+    };
+    let count = given.triangles.len();
+    match Surface::try_from(given) {
+        Ok(surface) => Ok(Shape::Mesh(surface)),
+        Err(error) => {
+            let found = format_args!("{count} triangles");
+            Err(Malformed::range(field, found, &error.to_string()))
+        }
+    }
 }
 
 fn shape(kind: u8, solid: &SolidPrimitive) -> Result<Shape, Malformed> {
