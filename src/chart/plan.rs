@@ -244,7 +244,8 @@ fn meshes(
             return Ok((tried, seen.readings, error));
         }
         // Half the error for twice the triangles: where that leads far beyond the most, more runs tell nothing.
-        let needed = error.map_or(0.0, |e| e / (SPACE * tolerance.0) * count as f64);
+        let known = error.filter(|e| e.is_finite());
+        let needed = known.map_or(0.0, |e| e / (SPACE * tolerance.0) * count as f64);
         let hopeless = 4 * count >= asked && needed > HOPELESS * most as f64;
         if 2 * count > most || hopeless {
             let estimate = error.unwrap_or(f64::INFINITY);

@@ -52,10 +52,14 @@ impl Simulation {
             if pair.distance < *distance {
                 *distance = pair.distance;
                 contact.obstacle = format!("{SHEET}{}", self.faces_of(pair)[1]);
-                contact.slip_velocity = self.slip(pair);
+                contact.slip_velocity = self.motion(pair);
             }
         }
-        let pressed = contacts.into_values().map(|(contact, _)| contact);
+        let pressed = contacts.into_values().map(|(mut contact, _)| {
+            let away = contact.normal * contact.normal.dot(&contact.slip_velocity);
+            contact.slip_velocity -= away;
+            contact
+        });
         pressed
             .filter(|contact| contact.normal_force > 0.0)
             .collect()
@@ -96,13 +100,12 @@ impl Simulation {
         parts_of(pair.key).map(|part| self.model.features.face_of(part))
     }
 
-    /// Tangential velocity of the first feature over the second \[m/s\].
-    fn slip(&self, pair: &Pair) -> Vector3<f64> {
+    /// Velocity of the first feature over the second \[m/s\].
+    fn motion(&self, pair: &Pair) -> Vector3<f64> {
         let terms = pair.nodes.iter().zip(pair.weights);
-        let motion: Vector3<f64> = terms
+        terms
             .map(|(&v, w)| self.state.velocities[v as usize] * w)
-            .sum();
-        motion - pair.normal * pair.normal.dot(&motion)
+            .sum()
     }
 
     /// Normals of the sheet at its vertices, not of length 1.
