@@ -67,6 +67,7 @@ mod shared_memory;
 mod shared_processes;
 mod stability;
 mod stability_shapes;
+mod static_friction;
 mod surface_files;
 mod surfaces;
 mod tamper;
