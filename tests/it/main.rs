@@ -70,6 +70,7 @@ mod stability_shapes;
 mod static_friction;
 mod surface_files;
 mod surfaces;
+mod table_edge;
 mod tamper;
 mod tidy;
 mod tunnelling;
