@@ -126,7 +126,7 @@ impl Grids {
 
     /// Flat triangles, and lines where they are folded.
     fn triangles(&mut self, mesh: &Mesh) {
-        for (t, corners) in mesh.triangles().iter().enumerate() {
+        for (t, corners) in mesh.outward().enumerate() {
             let base = self.surface.points.len() as u32;
             let places = corners.map(|v| mesh.vertices()[v as usize]);
             self.surface.points.extend(places);

@@ -46,7 +46,9 @@ pub fn ablations(scene: &Scene) -> Vec<Ablation> {
             Term::Drag => toggle(name, &in_still_air),
             Term::Contact if on && !scene.obstacle.is_empty() => toggle(name, &without_obstacles),
             Term::Friction if on && !scene.obstacle.is_empty() => toggle(name, &|scene| {
-                scene.obstacle.values_mut().for_each(|o| o.friction = 0.0);
+                scene.obstacle.values_mut().for_each(|o| {
+                    (o.friction, o.friction_static) = (0.0, None);
+                });
             }),
             Term::Layers if on => toggle(name, &|scene| scene.layers = None),
             Term::Layers if scene.method.solver == Solver::Newton => {

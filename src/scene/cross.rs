@@ -24,6 +24,7 @@ pub(super) fn check(scene: &Scene, document: &Node) -> Result<(), SceneError> {
         fabric,
         held_and_loaded,
         refine,
+        friction,
         motions,
         air,
         observations,
@@ -166,6 +167,28 @@ fn refine(scene: &Scene) -> Result<(), Conflict> {
             "sheet.refine.factor".into(),
             Problem::OutOfRange { expected },
         ));
+    }
+    Ok(())
+}
+
+/// What sticks holds no worse than what slides; `xpbd` knows one coefficient alone.
+fn friction(scene: &Scene) -> Result<(), Conflict> {
+    for (name, obstacle) in &scene.obstacle {
+        let Some(sticking) = obstacle.friction_static else {
+            continue;
+        };
+        let key = format!("obstacle.{name}.friction_static");
+        if sticking < obstacle.friction {
+            let sliding = short(obstacle.friction);
+            let reason = format!("must be at least obstacle.{name}.friction = {sliding}");
+            return conflict(key, reason);
+        }
+        if scene.method.solver == Solver::Xpbd {
+            return conflict(
+                key,
+                "method.solver = xpbd has no static friction; leave it out",
+            );
+        }
     }
     Ok(())
 }

@@ -194,6 +194,7 @@ const OBSTACLE: &[Key] = &[
     may("linear_velocity", Vector(3, SPEED)),
     may("angular_velocity", Vector(3, TURN_RATE)),
     may("friction", Number(FRICTION)),
+    may("friction_static", Number(FRICTION)),
     may("motion", Table(OBSTACLE_MOTION)),
 ];
 

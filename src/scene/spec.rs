@@ -290,6 +290,9 @@ pub struct ObstacleSpec {
     /// Coulomb friction coefficient \[-\].
     #[serde(default)]
     pub friction: f64,
+    /// The same for cloth that does not slide \[-\], not less; `friction` if left out.
+    #[serde(default)]
+    pub friction_static: Option<f64>,
     /// How it moves from the start on, in place of the pose and the velocities above, until a command moves it.
     #[serde(default)]
     pub motion: Option<ObstacleMotion>,

@@ -236,6 +236,7 @@ impl Implicit {
             model,
             before: Before {
                 positions: &state.positions,
+                velocities: &state.velocities,
                 obstacles: &state.obstacles,
                 bonds: &state.bonds,
             },

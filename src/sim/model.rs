@@ -57,6 +57,8 @@ pub struct Model {
     pub carried: Vec<Carried>,
     /// Motions that the scene prescribes for obstacles, by name.
     pub motions: BTreeMap<String, Motion>,
+    /// Static friction coefficients by the name of the obstacle, where they are others than those of sliding.
+    pub static_friction: BTreeMap<String, f64>,
     /// The contact law, if the scene has obstacles or commands may add some.
     pub contact: Option<ContactLaw>,
     /// Length of the longest edge of the flat mesh \[m\].
@@ -130,6 +132,7 @@ impl Model {
             start_gravity,
             carried: vec![],
             motions: motions(scene),
+            static_friction: static_friction(scene),
             stretch: Stretch::new(&mesh, membrane),
             bend: Bend::new(&mesh, fabric.bending()),
             gravity,
@@ -217,6 +220,14 @@ impl Model {
 }
 
 impl Model {
+    /// Friction coefficient of an obstacle for cloth that does not slide on it.
+    pub fn sticking(&self, body: &Obstacle) -> f64 {
+        match self.static_friction.get(&body.name) {
+            Some(friction) => friction.max(body.friction),
+            None => body.friction,
+        }
+    }
+
     /// The air at the start.
     pub fn air(&self) -> Air {
         let Some(spec) = &self.scene.air else {
@@ -235,6 +246,13 @@ impl Model {
             ..Air::default()
         }
     }
+}
+
+fn static_friction(scene: &Scene) -> BTreeMap<String, f64> {
+    let specs = scene.obstacle.iter();
+    specs
+        .filter_map(|(name, spec)| Some((name.clone(), spec.friction_static?)))
+        .collect()
 }
 
 fn motions(scene: &Scene) -> BTreeMap<String, Motion> {

@@ -181,6 +181,7 @@ impl Simulation {
         let once = move || {
             let before = Before {
                 positions: &state.positions,
+                velocities: &state.velocities,
                 obstacles: &state.obstacles,
                 bonds: &state.bonds,
             };

@@ -11,10 +11,15 @@ use crate::physics::Potential;
 use crate::physics::contact::{Contact, ContactLaw, weighted};
 use crate::physics::friction::{Bond, Friction};
 
+/// Speed of slip at the start of a step below which friction is static \[m/s\].
+pub const SLOW: f64 = 1e-3;
+
 /// Where a step starts, for friction.
 pub struct Before<'a> {
     /// Positions at the start of the step \[m\].
     pub positions: &'a [Vector3<f64>],
+    /// Velocities then \[m/s\].
+    pub velocities: &'a [Vector3<f64>],
     /// Obstacles at the start of the step.
     pub obstacles: &'a [Obstacle],
     /// Bonds at the start of the step, sorted by key.
@@ -76,7 +81,7 @@ impl Touch {
         self.keys.clear();
         for near in &self.proximities {
             let obstacle = &self.obstacles[near.obstacle as usize];
-            if obstacle.friction > 0.0 {
+            if model.sticking(obstacle) > 0.0 {
                 let start = &before.obstacles[near.obstacle as usize];
                 self.bonds
                     .push(bond(model, law, near, [start, obstacle], before));
@@ -96,6 +101,7 @@ impl Touch {
         };
         let before = Before {
             positions: &state.positions,
+            velocities: &state.velocities,
             obstacles: &state.obstacles,
             bonds: &state.bonds,
         };
@@ -163,7 +169,7 @@ impl Touch {
         let with_friction = self
             .proximities
             .iter()
-            .filter(|near| self.has_friction(near));
+            .filter(|near| self.has_friction(model, near));
         let friction = Friction { bonds: &self.bonds };
         for (s, near) in with_friction.enumerate() {
             let x = pick(nodes, &friction.nodes(s));
@@ -238,7 +244,7 @@ impl Touch {
         let with_friction = self
             .proximities
             .iter()
-            .filter(|near| self.has_friction(near));
+            .filter(|near| self.has_friction(model, near));
         // The explicit scheme has no bonds: it takes the work of its impulses into account itself.
         let tangential: f64 = with_friction
             .take(friction.count())
@@ -271,8 +277,8 @@ impl Touch {
         }
     }
 
-    fn has_friction(&self, near: &Proximity) -> bool {
-        self.obstacles[near.obstacle as usize].friction > 0.0
+    fn has_friction(&self, model: &Model, near: &Proximity) -> bool {
+        model.sticking(&self.obstacles[near.obstacle as usize]) > 0.0
     }
 }
 
@@ -295,7 +301,16 @@ fn bond(
     let local = from
         .pose
         .inverse_transform_point(&(start - remembered).into());
-    let friction = to.friction;
+    let slow = || {
+        let velocity = weighted(&near.weights, &pick(before.velocities, &vertices));
+        let slip = velocity - from.velocity_at(&start);
+        let normal = near.distance.normal;
+        (slip - normal * normal.dot(&slip)).norm() < SLOW
+    };
+    let friction = match model.sticking(to) {
+        sticking if sticking > to.friction && slow() => sticking,
+        _ => to.friction,
+    };
     Bond {
         vertices,
         weights: near.weights,

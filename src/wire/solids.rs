@@ -37,8 +37,8 @@ pub fn solids(obstacles: &[Obstacle], time: f64) -> MarkerArray {
 }
 
 fn marker(obstacle: &Obstacle, surface: &Surface, time: f64) -> Marker {
-    let corner = |vertex: &u32| {
-        let p = surface.vertices()[*vertex as usize];
+    let corner = |vertex: u32| {
+        let p = surface.vertices()[vertex as usize];
         Point {
             x: p.x,
             y: p.y,
@@ -66,7 +66,7 @@ fn marker(obstacle: &Obstacle, surface: &Surface, time: f64) -> Marker {
         },
         color: COLOUR,
         frame_locked: true,
-        points: surface.triangles().iter().flatten().map(corner).collect(),
+        points: surface.outward().flatten().map(corner).collect(),
         ..Marker::default()
     }
 }

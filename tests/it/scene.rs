@@ -190,7 +190,7 @@ rotations = [[0.0, 0.0, 0.0], [0.0, 0.0, 45.0]]
 plane = { shape = { kind = "plane" }, position = [0.0, 0.0, -1.0], rotation = [0.0, 5.0, 0.0] }
 ball = { shape = { kind = "sphere", radius = 0.1 }, linear_velocity = [0.1, 0.0, 0.0] }
 plate = { shape = { kind = "disc", radius = 0.1 }, angular_velocity = [0.0, 0.0, 1.0] }
-post = { shape = { kind = "cylinder", radius = 0.1, length = 0.2 }, friction = 0.2 }
+post = { shape = { kind = "cylinder", radius = 0.1, length = 0.2 }, friction = 0.2, friction_static = 0.3 }
 pill = { shape = { kind = "capsule", radius = 0.1, length = 0.2 } }
 [obstacle.jaw]
 shape = { kind = "disc", radius = 0.1 }

@@ -4,14 +4,20 @@ use std::fs;
 use std::path::Path;
 
 use tempfile::TempDir;
+use toile::contact::Shape;
 use toile::node::Recording;
 use toile::scene::{parse, parse_with};
 use toile::sim::Simulation;
+use toile::wire::messages::geometry_msgs::Point;
+use toile::wire::messages::moveit_msgs::CollisionObject;
+use toile::wire::messages::shape_msgs::{Mesh, MeshTriangle};
+use toile::wire::messages::toile_msgs::ObstacleCommand;
 use toile::wire::messages::visualization_msgs::MarkerArray;
-use toile::wire::{cdr, channels, keyframe};
+use toile::wire::{cdr, channels, inbound, keyframe};
 
 use crate::cli::{assert_refusal, err, out, toile};
 use crate::recording::assert_whole;
+use crate::session::{order, pose};
 use crate::surfaces::grid;
 
 const SCENE: &str = "name = \"ring\"\ndescription = \"A square over a ring of triangles\"\nduration = 0.04\n\
@@ -165,4 +171,56 @@ fn a_broken_file_is_one_line() {
         "{{ kind = \"mesh\", {corners}, triangles = [[0, 1, 2]], scale = 2.0 }}"
     ));
     refuses(&scaled, b"", &[".scale", "goes with file"]);
+}
+
+/// A command brings triangles, as our own message and as a planner's object; the obstacle stands in the next step.
+#[test]
+fn commands_bring_triangles() {
+    let corners = [
+        [0.0; 3],
+        [0.02, 0.0, 0.0],
+        [0.0, 0.02, 0.0],
+        [0.0, 0.0, 0.02],
+    ];
+    let sides = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    let mesh = Mesh {
+        vertices: corners.map(|[x, y, z]| Point { x, y, z }).to_vec(),
+        triangles: sides
+            .map(|vertex_indices| MeshTriangle { vertex_indices })
+            .to_vec(),
+    };
+    let own = ObstacleCommand {
+        operation: ObstacleCommand::ADD,
+        name: "tip".to_string(),
+        shape: ObstacleCommand::MESH,
+        mesh: mesh.clone(),
+        pose: pose(0.0, 0.0, -0.5),
+        ..ObstacleCommand::default()
+    };
+    let object = CollisionObject {
+        operation: CollisionObject::ADD,
+        id: "top".to_string(),
+        meshes: vec![mesh],
+        mesh_poses: vec![pose(0.0, 0.0, -0.6)],
+        ..CollisionObject::default()
+    };
+    let (scene, _) =
+        parse_with(SCENE, &[], &|_: &str| Ok(ring())).unwrap_or_else(|e| panic!("{e}"));
+    let mut simulation = Simulation::new(&scene, 1).unwrap_or_else(|e| panic!("{e}"));
+    let sent = [
+        order("/toile/cmd/obstacle", &own),
+        order("/toile/cmd/collision_object", &object),
+    ];
+    for order in sent {
+        let request = inbound::decode(order.inlet, &order.bytes).unwrap_or_else(|e| panic!("{e}"));
+        for command in request.commands(&simulation.state().obstacles) {
+            simulation.apply(&command).unwrap_or_else(|e| panic!("{e}"));
+        }
+    }
+    simulation.step().unwrap_or_else(|e| panic!("{e}"));
+    for name in ["tip", "top"] {
+        let at = simulation.state().find_obstacle(name).expect("was added");
+        let shape = &simulation.state().obstacles[at].shape;
+        assert!(matches!(shape, Shape::Mesh(surface) if surface.is_closed()));
+    }
 }

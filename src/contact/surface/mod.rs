@@ -180,6 +180,18 @@ impl Surface {
         &self.0.given.triangles
     }
 
+    /// Vertices of each triangle, in the order in which they turn about its normal, whichever way they are written.
+    pub fn outward(&self) -> impl Iterator<Item = [u32; 3]> {
+        let turned = |(t, &[a, b, c]): (usize, &[u32; 3])| {
+            let [p, q, r] = [a, b, c].map(|v| self.0.vertices[v as usize]);
+            match (q - p).cross(&(r - p)).dot(&self.0.normals[t]) < 0.0 {
+                true => [a, c, b],
+                false => [a, b, c],
+            }
+        };
+        self.triangles().iter().enumerate().map(turned)
+    }
+
     /// Whether it encloses a solid: every edge has two triangles, and they can be turned to face out.
     pub fn is_closed(&self) -> bool {
         self.0.closed

@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 use crate::physics::contact::ContactLaw;
 use crate::sim::lanes::{Lanes, add, lanes, vector};
 use crate::sim::model::Model;
-use crate::sim::touch::Touch;
+use crate::sim::touch::{SLOW, Touch};
 
 /// Sweeps of friction over all contacts; one settles contacts that share no vertex.
 const SWEEPS: usize = 3;
@@ -42,8 +42,9 @@ struct Grip {
     ground: Vector3<f64>,
     /// Inverse of the mass that the point feels \[1/kg\].
     lightness: f64,
-    /// Coefficient of friction \[-\].
+    /// Coefficient of friction, sliding and not sliding \[-\].
     friction: f64,
+    sticking: f64,
     /// N dt \[N·s\].
     load: f64,
     /// Critical damping times dt \[kg\].
@@ -98,6 +99,14 @@ fn settle(grips: &mut [Grip], inverse_mass: &[Lanes], rates: &mut [Lanes]) -> Ta
             taken.contact += grip.stop(inverse_mass, rates);
         }
     }
+    for grip in grips
+        .iter_mut()
+        .filter(|grip| grip.sticking > grip.friction)
+    {
+        if grip.slip(rates).norm() < SLOW {
+            grip.friction = grip.sticking;
+        }
+    }
     for _ in 0..SWEEPS {
         for grip in grips.iter_mut().filter(|grip| grip.friction > 0.0) {
             taken.friction += grip.tighten(inverse_mass, rates);
@@ -140,6 +149,7 @@ fn grips(
             ground: obstacle.surface_velocity(&at, &near.distance.normal),
             lightness,
             friction: obstacle.friction,
+            sticking: model.sticking(obstacle),
             load: law.normal_force(near) * dt,
             damping: 2.0 * (stiffness / lightness).sqrt() * dt,
             deep: law.offset - near.distance.value > law.limit(),

@@ -127,6 +127,11 @@ pub(super) fn spawn(request: SpawnEntityRequest) -> Result<Request, Malformed> {
         let field = "entity_resource.motion";
         return Err(Malformed::unsupported(field, "a motion", instead));
     }
+    if let Some(found) = spec.friction_static {
+        let instead = "only a scene tells it from friction, send friction alone";
+        let field = "entity_resource.friction_static";
+        return Err(Malformed::unsupported(field, found, instead));
+    }
     let [linear, angular] = [spec.linear_velocity, spec.angular_velocity];
     Ok(Request::Spawn {
         obstacle: Obstacle {
