@@ -360,3 +360,35 @@ fn a_surface_is_not_copied_with_its_obstacle() {
     };
     assert!(std::ptr::eq(a.vertices(), b.vertices()));
 }
+
+/// A square at rest over a ball, with the ball and with triangles in its place: the corners hang alike, and both states
+/// are minima. A larger one has folds, and many states.
+#[test]
+fn validate_rest_over_a_ball_of_triangles() {
+    let rest = "[sheet]\noutline = { kind = \"rectangle\", length = 0.1, width = 0.1 }\ntriangles = 400\n\
+                position = [0.0, 0.0, 0.0503]\n[fabric]\nname = \"F1\"\n[perturbation]\namplitude = 1e-4\n\
+                [obstacle.ball]\nshape = { kind = \"sphere\", radius = 0.05 }\nfriction = 0.3\n\
+                [method]\nscheme = \"equilibrium\"\ndt = 5e-3\n[observe.corner]\n\
+                points = [[-0.05, -0.05], [0.05, -0.05], [0.05, 0.05], [-0.05, 0.05]]\naxis = \"z\"\n";
+    let round = scene(&format!(
+        "name = \"ball\"\ndescription = \"A square over a ball\"\nduration = 5e-3\n{rest}"
+    ));
+    let corner = |scene: &Scene| {
+        let mut simulation = simulation(scene);
+        let report = simulation.step().unwrap_or_else(|e| panic!("{e}"));
+        assert!(report.converged && report.work.tests > 0);
+        report.readings[0]
+    };
+    let exact = corner(&round);
+    let faceted = corner(&with(round, "ball", ball(0.05, 24)));
+    println!(
+        "corners at {:.3} mm, over triangles {:.3} mm",
+        1e3 * exact,
+        1e3 * faceted
+    );
+    assert!(exact < -0.01, "the corners hang at {exact} m");
+    assert!(
+        (faceted / exact - 1.0).abs() < 0.02,
+        "{faceted} m, over a ball {exact} m"
+    );
+}
