@@ -14,9 +14,9 @@ const MOMENTS: u32 = 20;
 const HALVINGS: u32 = 9;
 /// Fewest triangles.
 const FEWEST: usize = 50;
-/// Most triangles that are tried, and the first, over what the scene asks for.
+/// Most triangles that are tried over what the scene asks for, and that over the first.
 const MOST: usize = 4;
-const FIRST: f64 = 1.0 / 32.0;
+const FIRST: usize = 32;
 /// Times the most triangles from which on a scene is given up.
 const HOPELESS: f64 = 3.0;
 /// Share of the tolerance that the mesh may take.
@@ -218,7 +218,7 @@ fn meshes(
     let explicit = Method::from(Scheme::CentralDifference);
     let mut tried: Vec<Tried> = vec![];
     let (mut before, mut change): (Option<Vec<Vec<f64>>>, f64) = (None, f64::INFINITY);
-    let mut count = ((FIRST * asked as f64) as usize).max(FEWEST);
+    let mut count = (asked / FIRST).max(FEWEST);
     loop {
         tell(&format!("mesh of {count} triangles"));
         let seen = run(

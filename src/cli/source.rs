@@ -40,14 +40,9 @@ fn beside(scene: &str, file: &str) -> Result<Vec<u8>, String> {
         scene => Path::new(scene).parent(),
     };
     let path = folder.unwrap_or(Path::new("")).join(file);
-    let failed = |error: io::Error| format!("cannot read {}: {error}", path.display());
-    let mut bytes = vec![];
-    let mut source = File::open(&path).map_err(failed)?.take(LARGEST + 1);
-    source.read_to_end(&mut bytes).map_err(failed)?;
-    match bytes.len() as u64 > LARGEST {
-        true => Err(format!("{} is longer than 64 MiB", path.display())),
-        false => Ok(bytes),
-    }
+    let failed = |reason: String| format!("cannot read {}: {reason}", path.display());
+    let file = File::open(&path).map_err(|error| failed(error.to_string()))?;
+    bounded(file, LARGEST).map_err(failed)
 }
 
 fn read(name: &str) -> Result<String, CliError> {
@@ -73,15 +68,19 @@ pub(super) fn file(path: &Path) -> Result<String, CliError> {
     text(&name, file)
 }
 
+/// All bytes of a source that has at most so many, a number of MiB.
+fn bounded(source: impl Read, most: u64) -> Result<Vec<u8>, String> {
+    let mut bytes = vec![];
+    let read = source.take(most + 1).read_to_end(&mut bytes);
+    read.map_err(|error| error.to_string())?;
+    match bytes.len() as u64 > most {
+        true => Err(format!("it is longer than {} MiB", most >> 20)),
+        false => Ok(bytes),
+    }
+}
+
 fn text(name: &str, source: impl Read) -> Result<String, CliError> {
     let refuse = |reason: &str| CliError::Input(format!("cannot read {name}: {reason}"));
-    let mut bytes = vec![];
-    source
-        .take(LONGEST + 1)
-        .read_to_end(&mut bytes)
-        .map_err(|error| refuse(&error.to_string()))?;
-    if bytes.len() as u64 > LONGEST {
-        return Err(refuse("it is longer than 1 MiB"));
-    }
+    let bytes = bounded(source, LONGEST).map_err(|reason| refuse(&reason))?;
     String::from_utf8(bytes).map_err(|_| refuse("it is not UTF-8 text"))
 }

@@ -11,7 +11,7 @@ type Point = Vector2<f64>;
 
 /// Power of the sum: the higher, the more the worst triangle counts. With 4 in its place the step gains a sixth less.
 const POWER: i32 = 8;
-/// Sweeps over the vertices; twice as many gain 1 % more.
+/// Sweeps over the vertices.
 const SWEEPS: usize = 30;
 /// First step of a vertex, over the shortest side at it, and how often it is halved.
 const STEP: f64 = 0.05;

@@ -10,7 +10,7 @@ use super::messages::visualization_msgs::{Marker, MarkerArray};
 use crate::sheet::Mesh;
 
 /// `visualization_msgs/msg/Marker` code of a triangle list.
-pub(super) const TRIANGLE_LIST: i32 = 11;
+const TRIANGLE_LIST: i32 = 11;
 /// Colour of the cloth: a natural linen.
 const CLOTH: ColorRGBA = ColorRGBA {
     r: 0.86,
@@ -45,6 +45,16 @@ pub fn markers(mesh: &Mesh, positions: &[Vector3<f64>], time: f64) -> MarkerArra
     let marker = Marker {
         header: header(time),
         ns: "sheet".to_string(),
+        ..triangles(CLOTH, mesh.faces.iter().flatten().map(corner).collect())
+    };
+    MarkerArray {
+        markers: vec![marker],
+    }
+}
+
+/// Triangles of one colour, three points each, where their frame is.
+pub(super) fn triangles(color: ColorRGBA, points: Vec<Point>) -> Marker {
+    Marker {
         r#type: TRIANGLE_LIST,
         pose: Pose {
             orientation: Quaternion {
@@ -58,11 +68,8 @@ pub fn markers(mesh: &Mesh, positions: &[Vector3<f64>], time: f64) -> MarkerArra
             y: 1.0,
             z: 1.0,
         },
-        color: CLOTH,
-        points: mesh.faces.iter().flatten().map(corner).collect(),
+        color,
+        points,
         ..Marker::default()
-    };
-    MarkerArray {
-        markers: vec![marker],
     }
 }

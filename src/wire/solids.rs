@@ -1,10 +1,10 @@
 //! Obstacles that are triangle meshes, as markers: a URDF can only name their files.
 
 use super::header;
-use super::messages::geometry_msgs::{Point, Pose, Quaternion, Vector3};
+use super::messages::geometry_msgs::Point;
 use super::messages::std_msgs::{ColorRGBA, Header};
 use super::messages::visualization_msgs::{Marker, MarkerArray};
-use super::sheet::TRIANGLE_LIST;
+use super::sheet::triangles;
 use crate::contact::{Obstacle, Shape, Surface};
 
 /// Colour of obstacles, as in their URDF.
@@ -51,22 +51,7 @@ fn marker(obstacle: &Obstacle, surface: &Surface, time: f64) -> Marker {
             ..header(time)
         },
         ns: obstacle.name.clone(),
-        r#type: TRIANGLE_LIST,
-        pose: Pose {
-            orientation: Quaternion {
-                w: 1.0,
-                ..Quaternion::default()
-            },
-            ..Pose::default()
-        },
-        scale: Vector3 {
-            x: 1.0,
-            y: 1.0,
-            z: 1.0,
-        },
-        color: COLOUR,
         frame_locked: true,
-        points: surface.outward().flatten().map(corner).collect(),
-        ..Marker::default()
+        ..triangles(COLOUR, surface.outward().flatten().map(corner).collect())
     }
 }

@@ -38,7 +38,6 @@ impl TryFrom<Triangles> for Surface {
             edge_faces: vec![],
             vertex_faces: vec![],
             folds: vec![],
-            vertex_stands_out: vec![],
             around_edges: vec![],
             around_vertices: vec![],
             patches: vec![],
@@ -225,14 +224,6 @@ impl Body {
             f64::atan2(tip.dot(&normal), tip.dot(&ahead))
         };
         self.folds = beside.iter().enumerate().map(fold).collect();
-        self.vertex_stands_out = vec![false; self.vertices.len()];
-        for e in 0..self.edges.len() {
-            if self.stands_out(e as u32) {
-                let ends = self.edges[e];
-                ends.iter()
-                    .for_each(|&v| self.vertex_stands_out[v as usize] = true);
-            }
-        }
         self.patches = vec![u32::MAX; self.sides.len()];
         let mut count = 0;
         for seed in 0..self.sides.len() {

@@ -119,8 +119,6 @@ struct Body {
     /// Angle by which the surface turns up at each edge, seen from the side of the normals \[rad\]; where it does not
     /// have two triangles, minus infinity.
     folds: Vec<f64>,
-    /// Vertices on which something flat can come to rest.
-    vertex_stands_out: Vec<bool>,
     /// Directions from each edge into its triangles, and from each vertex along its edges.
     around_edges: Vec<Vec<Point>>,
     around_vertices: Vec<Vec<Point>>,

@@ -1,7 +1,7 @@
 //! What of the sheet may come near a surface before either has moved far.
 
 use nalgebra::Vector3;
-use parry3d_f64::bounding_volume::Aabb;
+use parry3d_f64::bounding_volume::BoundingVolume;
 
 use super::detect::CAP;
 use super::{Point, Surface, box_around};
@@ -91,7 +91,7 @@ fn beside(sheet: &Sheet, surface: &Surface, radius: f64) -> Candidates {
     for (f, corners) in mesh.faces.iter().enumerate() {
         let places = sheet.at(*corners);
         let around = box_around(&places, radius);
-        if !meet(&whole, &around) {
+        if !whole.intersects(&around) {
             continue;
         }
         near.clear();
@@ -123,13 +123,6 @@ fn beside(sheet: &Sheet, surface: &Surface, radius: f64) -> Candidates {
         found.face(sheet, surface, (f as u32, radius), &tips);
     }
     found
-}
-
-fn meet(a: &Aabb, b: &Aabb) -> bool {
-    let within = |low: f64, high: f64, l: f64, h: f64| low <= h && l <= high;
-    within(a.mins.x, a.maxs.x, b.mins.x, b.maxs.x)
-        && within(a.mins.y, a.maxs.y, b.mins.y, b.maxs.y)
-        && within(a.mins.z, a.maxs.z, b.mins.z, b.maxs.z)
 }
 
 impl Candidates {
@@ -211,7 +204,7 @@ pub fn depth_inside(mesh: &Mesh, local: &[Vector3<f64>], surface: &Surface) -> f
 fn each_station(sheet: &Sheet, surface: &Surface, reach: f64, mut see: impl FnMut(u32, u32, f64)) {
     let whole = surface.0.tree.root_aabb();
     let mut look = |kind: u32, feature: usize, p: &Point| {
-        if meet(&whole, &box_around([p], reach)) {
+        if whole.intersects(&box_around([p], reach)) {
             see(kind, feature as u32, surface.distance(p).value);
         }
     };

@@ -36,7 +36,7 @@ const INERTIA_MARGIN: f64 = 4.0;
 const TOO_LONG: f64 = 1.7;
 /// Largest slope inertia, over m h²: what it adds to a wave of length w is of relative size (h/w)² of this. Twenty times
 /// as much would double the step of fine meshes, but a coarse strip then swings otherwise.
-const MOST_INERTIA: f64 = 1e-3;
+pub const MOST_INERTIA: f64 = 1e-3;
 
 /// The explicit integrator: constants and work space.
 pub struct Explicit {

@@ -11,7 +11,7 @@
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-use super::explicit::inverse_masses;
+use super::explicit::{MOST_INERTIA, inverse_masses};
 use super::stable::{MARGIN, quickest, rotary_inertia};
 use crate::contact::Nearby;
 use crate::physics::bend::curvature_operator;
@@ -26,8 +26,6 @@ use crate::sim::touch::Touch;
 /// Places or rates of the nodes.
 type Nodes<'a> = &'a [Vector3<f64>];
 
-/// Slope inertia over m h².
-const SLOPE_INERTIA: f64 = 1e-3;
 /// Substeps in a step when the user leaves them open.
 pub const SUBSTEPS: f64 = 20.0;
 
@@ -58,7 +56,7 @@ impl Xpbd {
     pub fn new(model: &Model) -> Self {
         let mut inertia = model.masses.clone();
         let edges = 0..model.mesh.edges.len();
-        inertia.extend(edges.map(|e| SLOPE_INERTIA * rotary_inertia(model, e)));
+        inertia.extend(edges.map(|e| MOST_INERTIA * rotary_inertia(model, e)));
         let face = |f: usize| Face {
             nodes: model.mesh.face_nodes(f).map(|n| n as usize),
             area: model.mesh.face_areas[f],
