@@ -22,6 +22,8 @@ pub(super) struct Course {
     pub displacements: Vec<Vector3<f64>>,
     /// When \[s\] and of what it died, if it did.
     pub died: Option<(f64, String)>,
+    /// Whether it was left before the last of the times, since it cost too much.
+    pub unfinished: bool,
     /// CPU time of the steps \[s\].
     pub cpu: f64,
     /// Simulated time \[s\].
@@ -41,14 +43,14 @@ impl Course {
         }
     }
 
-    /// Steps of `dt` \[s\] up to the last of `times` \[s\], or to its death. The mean displacement of `points`, in
-    /// the sheet's x, y \[m\], is noted at each of the times.
+    /// Steps of `dt` \[s\] up to the last of `times` \[s\], to its death, or until they have cost `budget` \[CPU-s\].
+    /// The mean displacement of `points`, in the sheet's x, y \[m\], is noted at each of the times.
     pub fn run(
         mut simulation: Simulation,
         dt: f64,
         points: &[Vector2<f64>],
         times: &[f64],
-        cpu: &mut CpuClock,
+        (cpu, budget): (&mut CpuClock, f64),
         watch: &mut Watch,
     ) -> Self {
         let probe = Probe::new(&simulation.model().mesh, points);
@@ -80,6 +82,10 @@ impl Course {
                 course.displacements.push(here);
             }
             watch(time / last);
+            if course.cpu > budget && times.peek().is_some() {
+                course.unfinished = true;
+                return course;
+            }
         }
         if times.peek().is_some() {
             let missed = "its steps miss a time of the reference".to_string();

@@ -14,7 +14,7 @@ use super::plot_points::{Arranged, arrange, log_range};
 use super::rows::Row;
 use crate::scene::Method;
 
-pub use super::plot_marks::CROSS_GLYPH;
+pub use super::plot_marks::{CROSS_GLYPH, LEFT_GLYPH};
 
 /// Width and height of a chart, in SVG units.
 pub const CHART_SIZE: (u32, u32) = (1500, 780);

@@ -10,6 +10,8 @@ use crate::scene::{Method, Scheme, Solver};
 
 /// Class name in the SVG of nothing but failures: one `<text>` of this glyph for each.
 pub const CROSS_GLYPH: &str = "✕";
+/// The same of runs that were left, since they cost too much.
+pub const LEFT_GLYPH: &str = "»";
 
 pub(super) fn color(method: Method) -> RGBColor {
     // Okabe and Ito: distinct for every kind of colour vision.
@@ -165,8 +167,11 @@ pub(super) fn crosses(
         let (px, py) = to_local(area, panel.backend_coord(&(value, level)));
         let ink = color(cross.method);
         let style = at(font(22, ink), HPos::Center, VPos::Center);
-        area.draw_text(CROSS_GLYPH, &style, (px, py))
-            .map_err(fault)?;
+        let glyph = match cross.died {
+            true => CROSS_GLYPH,
+            false => LEFT_GLYPH,
+        };
+        area.draw_text(glyph, &style, (px, py)).map_err(fault)?;
         let right = (value / range.0).ln() > 0.55 * (range.1 / range.0).ln();
         let (side, dx) = if right {
             (HPos::Right, -14)

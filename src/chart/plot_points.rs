@@ -12,10 +12,11 @@ pub(super) struct Point {
     pub label: String,
 }
 
-/// A run that died.
+/// A run that died, or was left unfinished.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Cross {
     pub method: Method,
+    pub died: bool,
     pub dt: f64,
     pub cpu: f64,
     pub label: String,
@@ -74,16 +75,19 @@ fn point(row: &Row) -> Option<Point> {
 }
 
 fn cross(row: &Row) -> Option<Cross> {
-    let Outcome::Died { time, .. } = &row.outcome else {
-        return None;
+    let (died, how, time) = match &row.outcome {
+        Outcome::Died { time, .. } => (true, "died", time),
+        Outcome::Unfinished { time } => (false, "too dear, left", time),
+        Outcome::Done { .. } => return None,
     };
     let dt = match row.key.asked {
         Asked::Step(dt) => dt,
         Asked::Limit(_) => row.dt,
     };
-    let label = format!("{}, died at {} s", step_text(row), short(*time));
+    let label = format!("{}, {how} at {} s", step_text(row), short(*time));
     Some(Cross {
         method: row.key.method,
+        died,
         dt,
         cpu: row.cpu_rate(),
         label,

@@ -51,6 +51,7 @@ impl Problem {
             steps: vec![10e-3, 5e-3, 2e-3, 1e-3, 0.5e-3],
             meshes: vec![600, 150],
             finest: 600,
+            budget: f64::INFINITY,
             scene,
         })
     }
@@ -144,6 +145,7 @@ impl Problem {
             steps: STEPS.to_vec(),
             meshes: vec![],
             finest: 0,
+            budget: f64::INFINITY,
             scene,
         }
     }

@@ -58,6 +58,11 @@ pub enum Outcome {
         /// What it said.
         message: String,
     },
+    /// It was sound but cost more than was allowed, and was left at this time \[s\].
+    Unfinished {
+        /// When \[s\].
+        time: f64,
+    },
 }
 
 /// One run.
@@ -108,7 +113,7 @@ impl Row {
     pub fn error(&self) -> Option<f64> {
         match self.outcome {
             Outcome::Done { error } => Some(error),
-            Outcome::Died { .. } => None,
+            Outcome::Died { .. } | Outcome::Unfinished { .. } => None,
         }
     }
 }
@@ -156,6 +161,10 @@ fn fields(row: &Row) -> [String; 28] {
         Outcome::Done { error } => ("done", format!("{error:e}"), String::new(), String::new()),
         Outcome::Died { time, message } => {
             ("died", String::new(), format!("{time}"), message.clone())
+        }
+        Outcome::Unfinished { time } => {
+            let time = format!("{time}");
+            ("unfinished", String::new(), time, String::new())
         }
     };
     [
@@ -219,6 +228,9 @@ fn row(line: &str, number: usize) -> Result<Row, RowsError> {
         "died" => Outcome::Died {
             time: time("died_at_s")?,
             message: fields.text("message").to_string(),
+        },
+        "unfinished" => Outcome::Unfinished {
+            time: time("died_at_s")?,
         },
         _ => return Err(fields.refuse("status")),
     };

@@ -85,6 +85,7 @@ fn cell(whole: &Problem, stiffness: f64, triangles: usize) -> Result<Cell, Chart
         steps: STEPS.to_vec(),
         meshes: vec![triangles],
         finest: triangles,
+        budget: whole.budget,
         length: None,
         reference: None,
         scene,

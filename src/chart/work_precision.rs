@@ -30,6 +30,8 @@ pub struct Problem {
     pub meshes: Vec<usize>,
     /// Mesh of a reference still to be made.
     pub finest: usize,
+    /// What a run may cost before it is left unfinished; references have no limit \[CPU-s\].
+    pub budget: f64,
 }
 
 /// A scene that has no chart, or a reference that could not be had.
@@ -157,13 +159,17 @@ impl Problem {
         };
         let mine = seen(&course);
         let mut parts = Parts::default();
-        if let (Some(own), None) = (own, &course.died) {
+        let whole = course.died.is_none() && !course.unfinished;
+        if let (Some(own), true) = (own, whole) {
             parts.time = Some(mine.largest_distance(own) / length);
             parts.space = Some(own.largest_distance(reference) / length);
-            parts.algebra = self.algebra(key, &mine).map(|error| error / length);
+            parts.algebra = self.algebra(key, &mine, cpu).map(|error| error / length);
         }
         let outcome = match course.died {
             Some((time, message)) => Outcome::Died { time, message },
+            None if course.unfinished => Outcome::Unfinished {
+                time: course.simulated,
+            },
             None => Outcome::Done {
                 error: mine.largest_distance(reference) / length,
             },
@@ -183,16 +189,17 @@ impl Problem {
         }
     }
 
-    /// How far a run of Newton's is from one with a thousandth of the tolerance \[m\].
-    fn algebra(&self, key: &Key, mine: &Reference) -> Option<f64> {
+    /// How far a run of Newton's is from one with a thousandth of the tolerance \[m\]; not known if that dies or costs
+    /// too much.
+    fn algebra(&self, key: &Key, mine: &Reference, cpu: &mut CpuClock) -> Option<f64> {
         let explicit = key.method.scheme == Scheme::CentralDifference;
         if explicit || key.method.solver != Solver::Newton {
             return None;
         }
         let mut exact = self.clone();
         exact.scene.method.tolerance = (1e-3 * exact.scene.method.tolerance).max(1e-10);
-        let course = exact.course(key, &mine.times, &mut || 0.0, &mut |_| {});
-        course.died.is_none().then(|| {
+        let course = exact.course(key, &mine.times, cpu, &mut |_| {});
+        (course.died.is_none() && !course.unfinished).then(|| {
             let exact = Reference {
                 displacements: course.displacements,
                 ..mine.clone()
@@ -208,7 +215,10 @@ impl Problem {
             Ok((scene.method.dt, simulation))
         });
         match ready {
-            Ok((dt, simulation)) => Course::run(simulation, dt, &self.points, times, cpu, watch),
+            Ok((dt, simulation)) => {
+                let purse = (cpu, self.budget);
+                Course::run(simulation, dt, &self.points, times, purse, watch)
+            }
             Err(message) => Course::stillborn(message),
         }
     }

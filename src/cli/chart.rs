@@ -46,6 +46,15 @@ struct WorkPrecisionArgs {
     /// Directory of the charts and their CSV; what is in the CSV already is not run again.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
+    /// CPU seconds that a run may cost; a dearer one is left and drawn where it was. References have no limit.
+    #[arg(long, value_name = "S", default_value = "60", value_parser = budget)]
+    budget: f64,
+}
+
+/// CPU seconds, more than none.
+fn budget(text: &str) -> Result<f64, String> {
+    let seconds = text.parse::<f64>().ok().filter(|s| *s > 0.0);
+    seconds.ok_or_else(|| "must be CPU seconds, more than 0".to_string())
 }
 
 impl ChartArgs {
@@ -67,7 +76,10 @@ impl WorkPrecisionArgs {
         let mut problems = vec![];
         for name in &named {
             let (scene, _) = source::scene(name, &[])?;
-            problems.push(Problem::of(scene).map_err(failed)?);
+            problems.push(Problem {
+                budget: self.budget,
+                ..Problem::of(scene).map_err(failed)?
+            });
         }
         fs::create_dir_all(&self.output)
             .map_err(NodeError::file("create directory", &self.output))?;

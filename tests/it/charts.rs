@@ -1,7 +1,7 @@
 //! The work-precision chart: nothing that failed is left out, what is in its CSV is not run again.
 
 use toile::chart::peers::Peer;
-use toile::chart::plot::{self, CROSS_GLYPH, Caption};
+use toile::chart::plot::{self, CROSS_GLYPH, Caption, LEFT_GLYPH};
 use toile::chart::png_of_svg;
 use toile::chart::reference::Reference;
 use toile::chart::rows::{self, Asked, Key, Outcome, Parts, Row};
@@ -74,6 +74,11 @@ fn rows_with_failures() -> Vec<Row> {
             Asked::Limit(1),
             died("not finite"),
         ),
+        row(
+            Scheme::Bdf2,
+            Asked::Step(2.5e-4),
+            Outcome::Unfinished { time: 0.04 },
+        ),
     ]
 }
 
@@ -93,7 +98,7 @@ fn caption() -> Caption {
 fn consistency_rows_survive_csv() {
     let rows = rows_with_failures();
     let text = rows::to_csv(&rows);
-    assert_eq!(text.lines().count(), 5);
+    assert_eq!(text.lines().count(), 6);
     assert_eq!(rows::from_csv(&text).unwrap(), rows);
     let damaged = text.replace("7.25e-4", "small");
     let refusal = rows::from_csv(&damaged).unwrap_err().to_string();
@@ -101,12 +106,15 @@ fn consistency_rows_survive_csv() {
     assert!(rows::from_csv("a,b\n1,2\n").is_err());
 }
 
-/// Each failed run is one cross in each panel, with its step and the time at which it died.
+/// Each failed run is one cross in each panel, with its step and the time at which it died; one that was left is shown,
+/// too.
 #[test]
 fn verify_failed_runs_are_crosses() {
     let svg = plot::chart(&caption(), &rows_with_failures()).unwrap();
     assert_eq!(svg.matches(CROSS_GLYPH).count(), 4);
     assert_eq!(svg.matches("5 ms, died at 0.08 s").count(), 2);
+    assert_eq!(svg.matches(LEFT_GLYPH).count(), 2);
+    assert_eq!(svg.matches("0.25 ms, too dear, left at 0.04 s").count(), 2);
     let healthy = &rows_with_failures()[..2];
     let svg = plot::chart(&caption(), healthy).unwrap();
     assert_eq!(svg.matches(CROSS_GLYPH).count(), 0);
@@ -202,7 +210,12 @@ fn consistency_a_run_becomes_a_row() {
             assert!((row.simulated - 0.3).abs() < 1e-12 && row.steps == 30);
         }
         Outcome::Died { time, .. } => assert!(time < 0.3),
+        Outcome::Unfinished { .. } => panic!("it may cost anything"),
     }
+    problem.budget = 4.9;
+    let row = problem.run(key, (&reference, Some(&own)), &mut clock, &mut |_| {});
+    assert_eq!(row.outcome, Outcome::Unfinished { time: 0.1 });
+    assert_eq!((row.cpu, row.steps, row.parts), (5.0, 10, Parts::default()));
 }
 
 #[test]
