@@ -14,13 +14,14 @@ const MOMENTS: u32 = 20;
 const HALVINGS: u32 = 9;
 /// Fewest triangles.
 const FEWEST: usize = 50;
-/// Most triangles that are tried over what the scene asks for, and that over the first.
-const MOST: usize = 4;
+/// Triangles that the scene asks for, over those that are tried first.
 const FIRST: usize = 32;
-/// Times the most triangles from which on a scene is given up.
-const HOPELESS: f64 = 3.0;
+/// Exponent of the cost of the explicit scheme by the number of triangles, at least.
+const DEARER: f64 = 1.5;
+/// What a mesh may be expected to cost, over the budget, before a scene is given up without trying what is between.
+const HOPELESS: f64 = 8.0;
 /// Share of the tolerance that the mesh may take.
-const SPACE: f64 = 0.5;
+const SPACE: f64 = 0.75;
 
 /// A tolerance on what a scene observes, over the largest reading \[-\].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,14 +62,17 @@ pub enum PlanError {
     NoTime(String),
     /// The mesh would have to be finer than is tried.
     #[error(
-        "no mesh of up to {most} triangles is within {tolerance}: {triangles} are {:.1} % off by their own estimate, and \
-         half of that takes twice as many; try a wider --tolerance or a shorter --duration", 1e2 * estimate
+        "no mesh that runs in {budget} CPU seconds is within {tolerance}: {triangles} triangles are {:.1} % off by their \
+         own estimate in {cpu:.1} s, and half of that takes twice as many; try a wider --tolerance, a shorter --duration \
+         or a larger --budget", 1e2 * estimate
     )]
     TooFine {
-        /// Most triangles that are tried.
-        most: usize,
-        /// The finest that was.
+        /// What a run may cost \[CPU-s\].
+        budget: f64,
+        /// Triangles of the finest mesh that was tried.
         triangles: usize,
+        /// What it cost \[CPU-s\].
+        cpu: f64,
         /// Asked for.
         tolerance: Tolerance,
         /// Estimated error of the finest mesh \[-\].
@@ -126,10 +130,10 @@ enum Ended {
     TooDear(f64),
 }
 
-/// Finds the cheapest way; `tell` hears what is being tried.
+/// Finds the cheapest way that costs no more than `budget` \[CPU-s\]; `tell` hears what is being tried.
 pub fn plan(
     scene: &Scene,
-    tolerance: Tolerance,
+    (tolerance, budget): (Tolerance, f64),
     cpu: &mut CpuClock,
     tell: &mut dyn FnMut(&str),
 ) -> Result<Plan, PlanError> {
@@ -139,7 +143,7 @@ pub fn plan(
     if scene.method.scheme == Scheme::Equilibrium {
         return Err(PlanError::NoTime(scene.name.clone()));
     }
-    let (meshes, truth, space) = meshes(scene, tolerance, cpu, tell)?;
+    let (meshes, truth, space) = meshes(scene, (tolerance, budget), cpu, tell)?;
     let explicit = meshes[meshes.len() - 1].clone();
     let mut best = Tried {
         error: Some(0.0),
@@ -209,27 +213,32 @@ type Meshes = (Vec<Tried>, Vec<Vec<f64>>, f64);
 /// doubling before changed bounds it where two meshes happen to agree.
 fn meshes(
     scene: &Scene,
-    tolerance: Tolerance,
+    (tolerance, budget): (Tolerance, f64),
     cpu: &mut CpuClock,
     tell: &mut dyn FnMut(&str),
 ) -> Result<Meshes, PlanError> {
     let asked = triangles(scene).max(4 * FEWEST);
-    let most = MOST * asked;
     let explicit = Method::from(Scheme::CentralDifference);
     let mut tried: Vec<Tried> = vec![];
     let (mut before, mut change): (Option<Vec<Vec<f64>>>, f64) = (None, f64::INFINITY);
     let mut count = (asked / FIRST).max(FEWEST);
     loop {
         tell(&format!("mesh of {count} triangles"));
-        let seen = run(
-            &at(scene, explicit, moment(scene), count),
-            f64::INFINITY,
-            cpu,
-        );
-        let seen = seen.map_err(|ended| match ended {
-            Ended::Died(message) => PlanError::Died(message),
-            Ended::TooDear(_) => PlanError::Died("a run without a limit was stopped".to_string()),
-        })?;
+        let too_fine = |tried: &[Tried]| {
+            let finest = tried.last();
+            PlanError::TooFine {
+                budget,
+                triangles: finest.map_or(0, |t| t.triangles),
+                cpu: finest.map_or(0.0, |t| t.cpu),
+                tolerance,
+                estimate: finest.and_then(|t| t.error).unwrap_or(f64::INFINITY),
+            }
+        };
+        let seen = match run(&at(scene, explicit, moment(scene), count), budget, cpu) {
+            Ok(seen) => seen,
+            Err(Ended::Died(message)) => return Err(PlanError::Died(message)),
+            Err(Ended::TooDear(_)) => return Err(too_fine(&tried)),
+        };
         let changed = before.as_ref().map(|b| apart(b, &seen.readings));
         let error = changed.map(|changed| changed.max(0.5 * change));
         tried.push(Tried {
@@ -243,18 +252,12 @@ fn meshes(
         if let Some(error) = error.filter(|e| *e <= SPACE * tolerance.0) {
             return Ok((tried, seen.readings, error));
         }
-        // Half the error for twice the triangles: where that leads far beyond the most, more runs tell nothing.
+        // Half the error for twice the triangles: where that leads far beyond the budget, more runs tell nothing.
         let known = error.filter(|e| e.is_finite());
-        let needed = known.map_or(0.0, |e| e / (SPACE * tolerance.0) * count as f64);
-        let hopeless = 4 * count >= asked && needed > HOPELESS * most as f64;
-        if 2 * count > most || hopeless {
-            let estimate = error.unwrap_or(f64::INFINITY);
-            return Err(PlanError::TooFine {
-                most,
-                triangles: count,
-                tolerance,
-                estimate,
-            });
+        let times = known.map_or(1.0, |e| e / (SPACE * tolerance.0));
+        let hopeless = 4 * count >= asked && seen.cpu * times.powf(DEARER) > HOPELESS * budget;
+        if seen.cpu * 2f64.powf(DEARER) > budget || hopeless {
+            return Err(too_fine(&tried));
         }
         change = changed.unwrap_or(f64::INFINITY);
         before = Some(seen.readings);

@@ -52,7 +52,7 @@ struct WorkPrecisionArgs {
 }
 
 /// CPU seconds, more than none.
-fn budget(text: &str) -> Result<f64, String> {
+pub(super) fn budget(text: &str) -> Result<f64, String> {
     let seconds = text.parse::<f64>().ok().filter(|s| *s > 0.0);
     seconds.ok_or_else(|| "must be CPU seconds, more than 0".to_string())
 }

@@ -3,6 +3,7 @@
 use clap::Args;
 use serde_json::{Value, json};
 
+use super::chart::budget;
 use super::explain::cpu;
 use super::explained::seconds;
 use super::output::{self, significant, table};
@@ -25,6 +26,9 @@ pub(super) struct PlanArgs {
     /// Simulated time in seconds (sets duration).
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     duration: Option<String>,
+    /// CPU seconds that the way may cost on this machine; a tolerance that takes more is refused.
+    #[arg(long, value_name = "S", default_value = "60", value_parser = budget)]
+    budget: f64,
     /// A JSON object instead of the lines.
     #[arg(long)]
     json: bool,
@@ -40,7 +44,7 @@ impl PlanArgs {
             overrides.push(Override::parse(&format!("duration={duration}"))?);
         }
         let (scene, _) = source::scene(&self.scene, &overrides)?;
-        let plan = find(&scene, self.tolerance)?;
+        let plan = find(&scene, (self.tolerance, self.budget))?;
         match self.json {
             true => output::print_json(&value(&plan, self.tolerance)),
             false => output::print(&text(&plan, self.tolerance)),
@@ -49,9 +53,9 @@ impl PlanArgs {
 }
 
 /// Makes a plan, with a bar that says what is being tried.
-pub(super) fn find(scene: &Scene, tolerance: Tolerance) -> Result<Plan, CliError> {
+pub(super) fn find(scene: &Scene, within: (Tolerance, f64)) -> Result<Plan, CliError> {
     let bar = share_bar("planning");
-    let made = plan(scene, tolerance, &mut cpu, &mut |tried| {
+    let made = plan(scene, within, &mut cpu, &mut |tried| {
         bar.set_message(tried.to_string());
         bar.tick();
     });

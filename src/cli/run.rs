@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use clap::Args;
 
+use super::chart::budget;
 use super::kept::{self, Kept};
 use super::progress::Bar;
 #[cfg(feature = "ros2")]
@@ -46,6 +47,9 @@ pub(super) struct RunArgs {
     /// Plan method, step and mesh for this error of what the scene observes (1%), run, and check afterwards.
     #[arg(long, value_name = "T", conflicts_with_all = ["method", "dt"])]
     tolerance: Option<Tolerance>,
+    /// CPU seconds that a planned run may cost on this machine.
+    #[arg(long, value_name = "S", default_value = "60", value_parser = budget, requires = "tolerance")]
+    budget: f64,
     /// Step in seconds (sets method.dt).
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     dt: Option<String>,
@@ -187,7 +191,7 @@ impl RunArgs {
     fn check(&self) -> Result<Job, CliError> {
         let (mut scene, warnings) = source::scene(&self.scene, &self.overrides()?)?;
         let planned = match self.tolerance {
-            Some(tolerance) => Some(plan::find(&scene, tolerance)?),
+            Some(tolerance) => Some(plan::find(&scene, (tolerance, self.budget))?),
             None => None,
         };
         if let Some(plan) = &planned {

@@ -30,6 +30,9 @@ pub(super) fn text(scene: &Scene, run: &Summary) -> String {
         });
         rows.push(("deepest penetration", depth));
     }
+    if run.slept > 0 {
+        rows.push(("asleep", format!("{} of {} steps", run.slept, run.steps)));
+    }
     if run.crossings > 0 {
         let counts = format!("{} edges passed through faces at most", run.crossings);
         rows.push(("sheet crosses itself", counts));
@@ -200,6 +203,7 @@ pub(super) fn json(scene: &Scene, warnings: &[Warning], run: &Summary) -> Value 
         "duration": scene.duration,
         "time": run.time,
         "steps": run.steps,
+        "slept": run.slept,
         "physics": needs(scene).iter().map(|(term, _)| term.name()).collect::<Vec<_>>(),
         "stopped": run.stopped,
         "converged": run.converged,

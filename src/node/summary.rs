@@ -47,6 +47,8 @@ pub struct Summary {
     pub time: f64,
     /// Whether the run was stopped from outside before its end.
     pub stopped: bool,
+    /// Steps that the sheet slept through.
+    pub slept: u64,
     /// Work of all steps.
     pub work: Work,
     /// Energy ledger at the end \[J\].
@@ -97,6 +99,7 @@ impl Summary {
     pub(super) fn add(&mut self, report: &StepReport) {
         self.steps = report.step;
         self.time = report.time;
+        self.slept += u64::from(report.work == Work::default());
         self.work += report.work;
         self.crossings = self.crossings.max(report.crossings);
         for &term in &report.neglected {

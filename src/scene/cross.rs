@@ -291,6 +291,15 @@ fn method(scene: &Scene) -> Result<(), Conflict> {
             "method.solver",
             "layers need newton, or method.scheme = central-difference",
         ),
+        Method { scheme, solver }
+            if scene.sleep.is_some()
+                && (scheme == Scheme::Equilibrium || solver == Solver::Xpbd) =>
+        {
+            conflict(
+                "sleep",
+                "needs a scheme in time that knows accelerations: not equilibrium, not xpbd",
+            )
+        }
         Method {
             scheme: Scheme::CentralDifference,
             solver: Solver::QuasiNewton | Solver::Xpbd,

@@ -89,6 +89,7 @@ pub(super) const SCENE: &[Key] = &[
     may("overlap", Table(OVERLAP)),
     may("air", Table(AIR)),
     may("layers", Table(LAYERS)),
+    may("sleep", Table(SLEEP)),
     may("perturbation", Table(PERTURBATION)),
     may("method", Table(METHOD)),
     may("output", Table(OUTPUT)),
@@ -249,6 +250,11 @@ const AIR_REGION: &[Key] = &[need("min", Vector(3, PLACE)), need("max", Vector(3
 const LAYERS: &[Key] = &[
     may("friction", Number(FRICTION)),
     may("thickness", Number(range(1e-6, 0.1, "m"))),
+];
+
+const SLEEP: &[Key] = &[
+    may("speed", Number(range(1e-9, 1.0, "m/s"))),
+    may("acceleration", Number(range(1e-6, 10.0, "m/s²"))),
 ];
 
 const PERTURBATION: &[Key] = &[

@@ -20,6 +20,7 @@ mod parse;
 mod quantity;
 pub mod ranges;
 mod refine;
+mod sleep;
 mod spec;
 mod spelling;
 mod tree;
@@ -36,6 +37,7 @@ pub use needs::{Reason, Term, needs};
 pub use overrides::Override;
 pub use parse::{parse, parse_with};
 pub use refine::Refine;
+pub use sleep::SleepSpec;
 pub use spec::*;
 pub use warning::Warning;
 

@@ -8,6 +8,7 @@ use super::load::LoadSpec;
 use super::method::{MethodSpec, OutputSpec};
 use super::motion::{ObstacleMotion, OverlapSpec, SupportMotion, placed};
 use super::refine::Refine;
+use super::sleep::SleepSpec;
 use crate::contact::{Motion, Pose, Shape};
 use crate::fabric::{PoissonCoupling, TwistRigidity};
 use crate::sheet::Outline;
@@ -53,6 +54,9 @@ pub struct Scene {
     /// Contact of the sheet with itself; it passes through itself if left out.
     #[serde(default)]
     pub layers: Option<LayersSpec>,
+    /// When a sheet at rest sleeps until something moves; never if left out.
+    #[serde(default)]
+    pub sleep: Option<SleepSpec>,
     /// A seeded disturbance of the flat start: a symmetric one is metastable.
     #[serde(default)]
     pub perturbation: Perturbation,

@@ -10,6 +10,7 @@ use super::model::Model;
 use super::overlap;
 use super::report::StepReport;
 use super::simulation::{Engine, Simulation};
+use super::sleep;
 use super::state::State;
 use super::touch::Touch;
 use crate::contact::{Obstacle, Overlap, Pose, Velocity};
@@ -34,7 +35,18 @@ impl Simulation {
     /// not there, its name is taken, or it would stand in the sheet. The state is then untouched.
     pub fn apply(&mut self, command: &Command) -> Result<(), Rejected> {
         self.accept(command)?;
-        match admit(command)? {
+        let asleep = sleep::sleeps(&self.model, &self.engine, &self.state);
+        self.obey(admit(command)?)?;
+        self.asleep = false;
+        // Explicit steps know what a command changes by the jump of the accelerations; implicit ones look again.
+        if asleep && matches!(self.engine, Engine::Implicit(..)) {
+            self.state.history.restart();
+        }
+        Ok(())
+    }
+
+    fn obey(&mut self, command: Command) -> Result<(), Rejected> {
+        match command {
             Command::AddObstacle(obstacle) => self.add(obstacle),
             Command::MoveObstacle {
                 name,
@@ -203,6 +215,7 @@ impl Simulation {
 
     /// Makes the report describe the state as it stands, with no work done.
     pub(super) fn look(&mut self) {
+        self.asleep = false;
         self.report = StepReport {
             converged: true,
             ..StepReport::default()

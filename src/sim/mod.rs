@@ -28,6 +28,7 @@ mod regions;
 mod report;
 mod resume;
 mod simulation;
+mod sleep;
 mod slopes;
 mod start;
 mod state;

@@ -8,7 +8,8 @@ use super::integrate::xpbd::{self, Xpbd};
 use super::integrate::{Rule, SAFETY};
 use super::measure;
 use super::model::Model;
-use super::report::StepReport;
+use super::report::{StepReport, Work};
+use super::sleep;
 use super::start;
 use super::state::State;
 use super::step::{Diverged, explicit_step, implicit_step, position_step};
@@ -52,6 +53,8 @@ pub struct Simulation {
     /// The state at the start, for a reset.
     pub(super) start: State,
     pub(super) found: Option<Equilibrium>,
+    /// Whether the report is that of a sheet asleep.
+    pub(super) asleep: bool,
 }
 
 impl Simulation {
@@ -85,6 +88,7 @@ impl Simulation {
             report,
             engine,
             found: None,
+            asleep: false,
         })
     }
 
@@ -111,8 +115,13 @@ impl Simulation {
         }
     }
 
-    /// Takes one step, or leaves the state as it was and says why.
+    /// Takes one step, or leaves the state as it was and says why. A step that the sheet sleeps through
+    /// ([`crate::scene::SleepSpec`]) reports no work.
     pub fn step(&mut self) -> Result<&StepReport, Diverged> {
+        if sleep::sleeps(&self.model, &self.engine, &self.state) {
+            return Ok(self.sleep());
+        }
+        self.asleep = false;
         let mut next = self.state.clone();
         let mut report = StepReport {
             dt: self.model.scene.method.dt,
@@ -140,6 +149,22 @@ impl Simulation {
         self.state = next;
         self.report = report;
         Ok(&self.report)
+    }
+}
+
+impl Simulation {
+    /// A step that is slept through; the first one looks at the sheet once more.
+    fn sleep(&mut self) -> &StepReport {
+        sleep::sleep(&self.model, &mut self.state);
+        if !self.asleep {
+            self.look();
+            self.asleep = true;
+        }
+        self.report.work = Work::default();
+        self.report.step = self.state.step;
+        self.report.time = self.state.step as f64 * self.report.dt;
+        self.report.digest = self.state.digest();
+        &self.report
     }
 }
 

@@ -65,6 +65,7 @@ mod shared_measure;
 mod shared_memory;
 #[cfg(feature = "iceoryx2")]
 mod shared_processes;
+mod sleep;
 mod stability;
 mod stability_shapes;
 mod static_friction;

@@ -40,7 +40,7 @@ fn validate_a_plan_keeps_its_promise() {
         ),
     ] {
         let scene = built_in(name, &set);
-        let plan = plan(&scene, Tolerance(share), &mut clock(), &mut |_| {})
+        let plan = plan(&scene, (Tolerance(share), 60.0), &mut clock(), &mut |_| {})
             .unwrap_or_else(|e| panic!("{name}: {e}"));
         let [space, time] = plan.errors;
         assert!(
@@ -84,13 +84,13 @@ fn what_cannot_be_planned_is_told() {
         observe: Default::default(),
         ..nothing
     };
-    let refused = plan(&nothing, Tolerance(0.01), &mut clock(), &mut silent);
+    let refused = plan(&nothing, (Tolerance(0.01), 60.0), &mut clock(), &mut silent);
     assert!(matches!(refused, Err(PlanError::NothingObserved(_))));
     let rest = built_in("cantilever", &["method.scheme=equilibrium"]);
-    let refused = plan(&rest, Tolerance(0.01), &mut clock(), &mut silent);
+    let refused = plan(&rest, (Tolerance(0.01), 60.0), &mut clock(), &mut silent);
     assert!(matches!(refused, Err(PlanError::NoTime(_))));
     let fine = built_in("strip-release", &["sheet.triangles=60", "duration=0.05"]);
-    let refused = plan(&fine, Tolerance(1e-5), &mut clock(), &mut silent).unwrap_err();
+    let refused = plan(&fine, (Tolerance(1e-5), 1.0), &mut clock(), &mut silent).unwrap_err();
     assert!(matches!(refused, PlanError::TooFine { .. }), "{refused}");
 }
 

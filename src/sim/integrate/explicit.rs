@@ -5,7 +5,7 @@
 //! ```
 //!
 //! in its half-step velocity form, which gives the same positions. Slopes get a rotary inertia J just large enough
-//! that they do not lower the stable limit, and never above a thousandth of m h², so they follow the positions.
+//! that they do not lower the stable limit, and never above what nothing notices, so they follow the positions.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -14,7 +14,7 @@ use super::held::{place, prescribed, rest_supports, work_of_supports};
 use super::impulse::{self, brake};
 use super::leap::{drift, kicked, swing};
 use super::stable::{
-    Limits, MARGIN, SAFETY, largest_frequency, layers, quickest, rotary_inertia, slope_stiffness,
+    Limits, MARGIN, SAFETY, largest_frequency, layers, most_inertia, quickest, slope_stiffness,
     stiffening,
 };
 use crate::contact::{Nearby, Obstacle};
@@ -34,9 +34,6 @@ use crate::sim::touch::Touch;
 const INERTIA_MARGIN: f64 = 4.0;
 /// What is returned as haste where layers need substeps half as long.
 const TOO_LONG: f64 = 1.7;
-/// Largest slope inertia, over m h²: what it adds to a wave of length w is of relative size (h/w)² of this. Twenty times
-/// as much would double the step of fine meshes, but a coarse strip then swings otherwise.
-pub const MOST_INERTIA: f64 = 1e-3;
 
 /// The explicit integrator: constants and work space.
 pub struct Explicit {
@@ -67,7 +64,7 @@ impl Explicit {
         let stiffest = largest_frequency(model, nodes, &inertia, 1);
         inertia.extend(slope_stiffness(model).iter().enumerate().map(|(e, k)| {
             let enough = INERTIA_MARGIN * k / stiffest.powi(2);
-            enough.min(MOST_INERTIA * rotary_inertia(model, e))
+            enough.min(most_inertia(model, e))
         }));
         let drag = model.damping.coefficients.iter().zip(&model.masses);
         let weight = |v: usize| lanes(&-model.gravity.gradient(v, &[nodes[v]])[0]);

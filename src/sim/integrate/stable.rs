@@ -21,13 +21,18 @@ const ITERATIONS: usize = 50;
 /// Coupling to the next vector, over the diagonal, at which all modes are there.
 const SPENT: f64 = 1e-10;
 
-/// What a slope's inertia is measured by: the mass around an edge times the square of its length \[kg·m²\].
-pub fn rotary_inertia(model: &Model, edge: usize) -> f64 {
-    let mass: f64 = model.mesh.edges[edge]
-        .iter()
-        .map(|&v| model.masses[v as usize])
-        .sum();
-    0.5 * mass * model.mesh.edge_length(edge).powi(2)
+/// Slope inertia over m h² that nothing notices: what it adds to a wave of length w is of relative size (h/w)² of this.
+/// Twenty times as much would let a coarse strip swing otherwise.
+const UNNOTICED: f64 = 1e-3;
+
+/// The most that a slope's inertia may be \[kg·m²\]: what nothing notices, or what a solid sheet of the fabric's
+/// thickness has, rho t²/12 for every turn of its normal. A slope knows one direction of two, and an edge stands for a
+/// third of the mass m around it, so that is m t²/18.
+pub fn most_inertia(model: &Model, edge: usize) -> f64 {
+    let ends = model.mesh.edges[edge].iter();
+    let mass = 0.5 * ends.map(|&v| model.masses[v as usize]).sum::<f64>();
+    let solid = model.fabric.thickness.powi(2) / 18.0;
+    mass * solid.max(UNNOTICED * model.mesh.edge_length(edge).powi(2))
 }
 
 /// Bound on the stiffness of each slope in the bending matrix \[N·m\]: the absolute row sum.

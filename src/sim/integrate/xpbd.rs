@@ -11,8 +11,8 @@
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-use super::explicit::{MOST_INERTIA, inverse_masses};
-use super::stable::{MARGIN, quickest, rotary_inertia};
+use super::explicit::inverse_masses;
+use super::stable::{MARGIN, most_inertia, quickest};
 use crate::contact::Nearby;
 use crate::physics::bend::curvature_operator;
 use crate::physics::contact::weighted;
@@ -56,7 +56,7 @@ impl Xpbd {
     pub fn new(model: &Model) -> Self {
         let mut inertia = model.masses.clone();
         let edges = 0..model.mesh.edges.len();
-        inertia.extend(edges.map(|e| MOST_INERTIA * rotary_inertia(model, e)));
+        inertia.extend(edges.map(|e| most_inertia(model, e)));
         let face = |f: usize| Face {
             nodes: model.mesh.face_nodes(f).map(|n| n as usize),
             area: model.mesh.face_areas[f],
