@@ -5,6 +5,7 @@
 //! - [`drape`]: the audit of the paper's drape tables.
 //! - [`work_precision`]: error against CPU time of every method, step and mesh, failures included.
 //! - [`plan`]: the cheapest method, step and mesh within a tolerance.
+//! - [`waterfall`]: what each economy saves on a scene.
 //! - [`stability`]: where a method converges, goes wrong, is lost: step, stiffness, mesh.
 
 mod course;
@@ -32,6 +33,8 @@ pub mod reference;
 pub mod rows;
 pub mod stability;
 pub mod stability_plot;
+pub mod waterfall;
+pub mod waterfall_plot;
 pub mod work_precision;
 
 pub use course::{CpuClock, Watch};

@@ -117,17 +117,19 @@ pub struct Plan {
 }
 
 /// The readings of a run at its moments.
-struct Seen {
-    readings: Vec<Vec<f64>>,
-    cpu: f64,
-    work: Work,
+pub(super) struct Seen {
+    pub readings: Vec<Vec<f64>>,
+    /// CPU time of its steps \[s\].
+    pub cpu: f64,
+    pub work: Work,
     substep: Option<f64>,
 }
 
 /// What ends a run early.
-enum Ended {
+pub(super) enum Ended {
     Died(String),
-    TooDear(f64),
+    /// What it had cost \[CPU-s\] when it had come to a time \[s\].
+    TooDear(f64, f64),
 }
 
 /// Finds the cheapest way that costs no more than `budget` \[CPU-s\]; `tell` hears what is being tried.
@@ -163,7 +165,7 @@ pub fn plan(
             let tried = at(scene, method, dt, explicit.triangles);
             let (seen, spent) = match run(&tried, best.cpu, cpu) {
                 Ok(seen) => (Some(seen), 0.0),
-                Err(Ended::TooDear(spent)) => (None, spent),
+                Err(Ended::TooDear(spent, _)) => (None, spent),
                 Err(Ended::Died(_)) => continue,
             };
             let now = Tried {
@@ -206,12 +208,12 @@ fn candidates() -> impl Iterator<Item = Method> {
     all.filter(|m| m.scheme != Scheme::CentralDifference && m.solver != Solver::Xpbd)
 }
 
-type Meshes = (Vec<Tried>, Vec<Vec<f64>>, f64);
+/// What was tried, the readings on the last, its error.
+pub(super) type Meshes = (Vec<Tried>, Vec<Vec<f64>>, f64);
 
-/// Doubles triangles until their error is small enough; what was tried, the readings on the last, its error. At second
-/// order half the triangles are twice as far off, so what doubling changes is the error of the finer; half of what the
+/// Doubles triangles until their error is small enough. At second order half the triangles are twice as far off, so what doubling changes is the error of the finer; half of what the
 /// doubling before changed bounds it where two meshes happen to agree.
-fn meshes(
+pub(super) fn meshes(
     scene: &Scene,
     (tolerance, budget): (Tolerance, f64),
     cpu: &mut CpuClock,
@@ -237,7 +239,7 @@ fn meshes(
         let seen = match run(&at(scene, explicit, moment(scene), count), budget, cpu) {
             Ok(seen) => seen,
             Err(Ended::Died(message)) => return Err(PlanError::Died(message)),
-            Err(Ended::TooDear(_)) => return Err(too_fine(&tried)),
+            Err(Ended::TooDear(..)) => return Err(too_fine(&tried)),
         };
         let changed = before.as_ref().map(|b| apart(b, &seen.readings));
         let error = changed.map(|changed| changed.max(0.5 * change));
@@ -266,19 +268,19 @@ fn meshes(
 }
 
 /// Triangles that a scene asks for.
-fn triangles(scene: &Scene) -> usize {
+pub(super) fn triangles(scene: &Scene) -> usize {
     let equilateral = 3f64.sqrt() / 4.0 * scene.sheet.edge_length().powi(2);
     let by_edge = (scene.sheet.outline.area() / equilateral).round() as usize;
     scene.sheet.triangles.unwrap_or(by_edge)
 }
 
 /// From one moment of comparison to the next \[s\].
-fn moment(scene: &Scene) -> f64 {
+pub(super) fn moment(scene: &Scene) -> f64 {
     scene.duration / f64::from(MOMENTS)
 }
 
 /// A scene with another method, step and mesh, its outputs on its steps.
-fn at(scene: &Scene, method: Method, dt: f64, triangles: usize) -> Scene {
+pub(super) fn at(scene: &Scene, method: Method, dt: f64, triangles: usize) -> Scene {
     let mut scene = scene.clone();
     scene.method = scene.method.with(method);
     scene.method.dt = dt;
@@ -290,7 +292,7 @@ fn at(scene: &Scene, method: Method, dt: f64, triangles: usize) -> Scene {
 }
 
 /// Runs a scene to its end, unless it dies or costs more than `most` \[s\].
-fn run(scene: &Scene, most: f64, cpu: &mut CpuClock) -> Result<Seen, Ended> {
+pub(super) fn run(scene: &Scene, most: f64, cpu: &mut CpuClock) -> Result<Seen, Ended> {
     let died = |message: String| Ended::Died(message);
     let mut simulation = Simulation::new(scene, 1).map_err(|refused| died(refused.to_string()))?;
     let between = (moment(scene) / scene.method.dt).round() as u64;
@@ -311,14 +313,14 @@ fn run(scene: &Scene, most: f64, cpu: &mut CpuClock) -> Result<Seen, Ended> {
         }
         seen.cpu = cpu() - start;
         if seen.cpu > most {
-            return Err(Ended::TooDear(seen.cpu));
+            return Err(Ended::TooDear(seen.cpu, report.time));
         }
     }
     Ok(seen)
 }
 
 /// Largest difference at any moment over the largest reading.
-fn apart(ours: &[Vec<f64>], truth: &[Vec<f64>]) -> f64 {
+pub(super) fn apart(ours: &[Vec<f64>], truth: &[Vec<f64>]) -> f64 {
     let largest = truth.iter().flatten().map(|v| v.abs()).fold(0.0, f64::max);
     let pairs = ours.iter().flatten().zip(truth.iter().flatten());
     let worst = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -338,7 +340,7 @@ pub fn check(plan: &Plan, cpu: &mut CpuClock) -> Result<f64, PlanError> {
     let look = |scene: &Scene, cpu: &mut CpuClock| {
         run(scene, f64::INFINITY, cpu).map_err(|ended| match ended {
             Ended::Died(message) => PlanError::Died(message),
-            Ended::TooDear(_) => PlanError::Died("a run without a limit was stopped".to_string()),
+            Ended::TooDear(..) => PlanError::Died("a run without a limit was stopped".to_string()),
         })
     };
     let (ours, theirs) = (look(scene, cpu)?, look(&finer, cpu)?);

@@ -124,8 +124,12 @@ pub(super) fn ground(
         .map_err(fault)?;
     let over = to_local(area, panel.backend_coord(&(x.0, high)));
     let style = at(font(15, RGBColor(160, 50, 50)), HPos::Left, VPos::Top);
-    area.draw_text("runs that died", &style, (over.0 + 8, over.1 + 8))
-        .map_err(fault)
+    area.draw_text(
+        "runs that died, or were left (»)",
+        &style,
+        (over.0 + 8, over.1 + 8),
+    )
+    .map_err(fault)
 }
 
 /// Slopes of first and second order through the middle of the curves.

@@ -84,6 +84,9 @@ pub(super) fn curves(
     Ok(())
 }
 
+/// Most labels of failures that stand apart.
+const MOST_LABELS: usize = 8;
+
 /// The step of every point, written beside it where no marker and no other label is in the way.
 pub(super) fn step_labels(
     area: &Area,
@@ -114,7 +117,7 @@ pub(super) fn step_labels(
             ];
             let boxes = offsets.map(|(a, b)| [x + a, y + b, x + a + w, y + b + h]);
             let overlaps = |b: &[i32; 4]| taken.iter().filter(|t| overlap(b, t)).count();
-            let Some(chosen) = boxes.into_iter().min_by_key(overlaps) else {
+            let Some(chosen) = boxes.into_iter().find(|b| overlaps(b) == 0) else {
                 continue;
             };
             taken.push(chosen);
@@ -178,9 +181,11 @@ pub(super) fn crosses(
         } else {
             (HPos::Left, 14)
         };
-        let style = at(font(14, ink), side, VPos::Center);
-        area.draw_text(&cross.label, &style, (px + dx, py))
-            .map_err(fault)?;
+        if arranged.crosses.len() <= MOST_LABELS || cross.died {
+            let style = at(font(14, ink), side, VPos::Center);
+            area.draw_text(&cross.label, &style, (px + dx, py))
+                .map_err(fault)?;
+        }
     }
     Ok(())
 }

@@ -19,7 +19,24 @@ pub const CHARTED: [&str; 5] = [
 /// Steps that divide 5 ms \[s\].
 const STEPS: [f64; 5] = [5e-3, 2.5e-3, 1e-3, 0.5e-3, 0.25e-3];
 
+/// Time until which the sheet over the table falls the same way on every mesh: then its corners buckle \[s\].
+const BUCKLES: f64 = 0.07;
+
 impl Problem {
+    /// All charts of a scene: that of [`Problem::of`], and one that ends where the scene bifurcates, if it does.
+    pub fn all_of(scene: Scene) -> Result<Vec<Self>, ChartError> {
+        let whole = Self::of(scene)?;
+        let mut all = vec![whole];
+        if all[0].name == "drape-table" {
+            let mut fall = all[0].clone();
+            fall.name += "-fall";
+            fall.times.retain(|t| *t < BUCKLES + 1e-9);
+            fall.scene.duration = BUCKLES;
+            all.push(fall);
+        }
+        Ok(all)
+    }
+
     /// The chart that belongs to a scene, by its name; of any other scene what it observes.
     pub fn of(scene: Scene) -> Result<Self, ChartError> {
         match scene.name.as_str() {
@@ -51,6 +68,7 @@ impl Problem {
             steps: vec![10e-3, 5e-3, 2e-3, 1e-3, 0.5e-3],
             meshes: vec![600, 150],
             finest: 600,
+            name: scene.name.clone(),
             budget: f64::INFINITY,
             scene,
         })
@@ -81,8 +99,8 @@ impl Problem {
                 Vector2::new(-rim, 0.0),
                 Vector2::new(0.0, -rim),
             ],
-            meshes: vec![1400, 400],
-            finest: 5600,
+            meshes: vec![5600, 1400],
+            finest: 22_400,
             ..Self::made(scene, 0.1)
         }
     }
@@ -97,8 +115,8 @@ impl Problem {
                 corner(-1.0, -1.0),
                 corner(1.0, -1.0),
             ],
-            meshes: vec![1400, 400],
-            finest: 5750,
+            meshes: vec![5750, 1400],
+            finest: 23_000,
             ..Self::made(scene, 0.2)
         }
     }
@@ -108,8 +126,8 @@ impl Problem {
         let edge = |y: f64| Vector2::new(0.1, y);
         Self {
             points: vec![edge(-0.1), edge(0.0), edge(0.1)],
-            meshes: vec![1400, 400],
-            finest: 5600,
+            meshes: vec![5600, 1400],
+            finest: 22_400,
             ..Self::made(scene, 0.2)
         }
     }
@@ -145,6 +163,7 @@ impl Problem {
             steps: STEPS.to_vec(),
             meshes: vec![],
             finest: 0,
+            name: scene.name.clone(),
             budget: f64::INFINITY,
             scene,
         }

@@ -80,6 +80,7 @@ fn cell(whole: &Problem, stiffness: f64, triangles: usize) -> Result<Cell, Chart
     let limit = stable_limit(&Model::new(&scene, fabric));
     let count = (DURATION.min(scene.duration) / STEPS[0]).round().max(1.0) as u32;
     let problem = Problem {
+        name: whole.name.clone(),
         points: whole.points.clone(),
         times: (1..=count).map(|k| f64::from(k) * STEPS[0]).collect(),
         steps: STEPS.to_vec(),

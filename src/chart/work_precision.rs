@@ -14,6 +14,8 @@ use crate::sim::Simulation;
 /// A scene with an observed point, the times at which it is compared, and the steps and meshes to try.
 #[derive(Clone, Debug)]
 pub struct Problem {
+    /// Name of the chart and of its rows: the scene's, or that with the part of it that is looked at.
+    pub name: String,
     /// The scene; its method, step and mesh are replaced in every run.
     pub scene: Scene,
     /// Points in the sheet's x, y \[m\]; their mean displacement is compared.
@@ -129,7 +131,7 @@ impl Problem {
     /// The key of a run.
     pub fn key(&self, method: Method, asked: Asked, triangles: usize) -> Key {
         Key {
-            scene: self.scene.name.clone(),
+            scene: self.name.clone(),
             fabric: self.scene.fabric.name.clone(),
             mesh: format!("triangles={triangles}"),
             method,

@@ -8,6 +8,7 @@ use clap::{Args, Subcommand};
 use cpu_time::ProcessTime;
 
 use super::chart_stability::StabilityArgs;
+use super::chart_waterfall::WaterfallArgs;
 use super::progress::share_bar;
 use super::{CliError, output, source};
 use crate::chart::peers::Peer;
@@ -36,6 +37,8 @@ enum What {
     WorkPrecision(WorkPrecisionArgs),
     /// Where every method converges, goes wrong, is lost: step, stiffness, mesh.
     Stability(StabilityArgs),
+    /// What each economy saves within a tolerance: solver, scheme, mesh, sleep.
+    Waterfall(WaterfallArgs),
 }
 
 #[derive(Args)]
@@ -63,6 +66,7 @@ impl ChartArgs {
         match &self.what {
             What::WorkPrecision(args) => args.run(),
             What::Stability(args) => args.run(),
+            What::Waterfall(args) => args.run(),
         }
     }
 }
@@ -76,10 +80,10 @@ impl WorkPrecisionArgs {
         let mut problems = vec![];
         for name in &named {
             let (scene, _) = source::scene(name, &[])?;
-            problems.push(Problem {
-                budget: self.budget,
-                ..Problem::of(scene).map_err(failed)?
-            });
+            for mut problem in Problem::all_of(scene).map_err(failed)? {
+                problem.budget = self.budget;
+                problems.push(problem);
+            }
         }
         fs::create_dir_all(&self.output)
             .map_err(NodeError::file("create directory", &self.output))?;
@@ -99,7 +103,7 @@ impl WorkPrecisionArgs {
         match &problem.reference {
             Some(reference) => Ok(reference.clone()),
             None => {
-                let path = format!("{}-reference.csv", problem.scene.name);
+                let path = format!("{}-reference.csv", problem.name);
                 kept(&self.output.join(path), |watch| {
                     problem.make_reference(watch)
                 })
@@ -122,7 +126,7 @@ impl WorkPrecisionArgs {
             if missing.is_empty() {
                 continue;
             }
-            let path = format!("{}-{triangles}-truth.csv", problem.scene.name);
+            let path = format!("{}-{triangles}-truth.csv", problem.name);
             let path = self.output.join(path);
             let own = kept(&path, |watch| problem.truth_on(*triangles, watch))?;
             fill(&missing, rows, csv, &mut |key, cpu, watch| {
@@ -134,7 +138,7 @@ impl WorkPrecisionArgs {
 
     fn draw(&self, problem: &Problem, of: &Reference, rows: &[Row]) -> Result<(), CliError> {
         let svg = chart(&caption(problem, of, rows), rows).map_err(refused)?;
-        let stem = format!("work-precision-{}", problem.scene.name);
+        let stem = format!("work-precision-{}", problem.name);
         let path = self.output.join(format!("{stem}.svg"));
         output::save(&path, &svg)?;
         let path = self.output.join(format!("{stem}.png"));
@@ -201,16 +205,20 @@ fn caption(problem: &Problem, reference: &Reference, rows: &[Row]) -> Caption {
     };
     let triangles = rows
         .iter()
-        .filter(|r| r.key.scene == scene.name)
+        .filter(|r| r.key.scene == problem.name)
         .map(|r| r.triangles);
+    let mut triangles: Vec<usize> = triangles.collect();
+    triangles.sort_unstable();
+    triangles.dedup();
+    let triangles: Vec<String> = triangles.iter().map(ToString::to_string).collect();
     let last = reference.times.iter().copied().fold(0.0, f64::max);
     Caption {
-        scene: scene.name.clone(),
-        title: format!("{}: error against step and CPU time", scene.name),
+        scene: problem.name.clone(),
+        title: format!("{}: error against step and CPU time", problem.name),
         subtitle: format!(
             "{}, {} triangles, force tolerance {:e} of the weight; largest error over {last} s",
             scene.fabric.name,
-            triangles.max().unwrap_or(0),
+            triangles.join(" and "),
             scene.method.tolerance,
         ),
         error_over: format!("{over} ({} mm)", (length * 1e5).round() / 1e2),

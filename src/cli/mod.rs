@@ -9,6 +9,7 @@ mod audit;
 mod bridge;
 mod chart;
 mod chart_stability;
+mod chart_waterfall;
 mod commands;
 mod drapes;
 mod error;

@@ -5,6 +5,7 @@
 
 use super::lanes::{Four, Lanes, Plain};
 use super::model::Model;
+use crate::math::sparse::NO_SLOT;
 use crate::physics::Potential;
 
 /// Constants of the faces.
@@ -56,7 +57,11 @@ impl Kernel {
     /// Lays out a model's faces.
     pub fn new(model: &Model) -> Self {
         let c = model.fabric.membrane();
-        let faces = 0..model.mesh.faces.len();
+        let moves = moving(model);
+        let faces = (0..model.mesh.faces.len()).filter(|&f| {
+            let nodes = model.bend.nodes(f);
+            nodes.iter().any(|&node| moves[node as usize])
+        });
         Self {
             faces: faces.map(|f| Face::new(model, f)).collect(),
             membrane: [c.c11, c.c22, c.c12, c.c66],
@@ -84,6 +89,17 @@ impl Kernel {
             forces,
         });
     }
+}
+
+/// Nodes that are free, or that a support moves; a face without one never changes, and its forces act on supports that do
+/// no work.
+fn moving(model: &Model) -> Vec<bool> {
+    let free = |index: &[u32; 3]| *index != [NO_SLOT; 3];
+    let mut moves: Vec<bool> = model.dofs.index.iter().map(free).collect();
+    for (node, _) in model.carried.iter().flat_map(|carried| carried.held()) {
+        moves[node] = true;
+    }
+    moves
 }
 
 /// One pass over the faces.

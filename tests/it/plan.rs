@@ -4,6 +4,8 @@ use cpu_time::ThreadTime;
 use toile::chart::plan::{PlanError, Tolerance, check, plan};
 use toile::chart::problems;
 use toile::chart::rows::Asked;
+use toile::chart::waterfall::{to_csv, waterfall};
+use toile::chart::waterfall_plot::falls;
 use toile::chart::work_precision::Problem;
 use toile::scene::{Method, Scheme};
 
@@ -74,6 +76,30 @@ fn validate_a_plan_keeps_its_promise() {
         let second_look = check(&plan, &mut clock()).unwrap();
         assert!(second_look < 2.0 * share, "{name}: {second_look}");
     }
+}
+
+/// Each way costs less than the one before it, and one that was left has no error; all of them are drawn.
+#[test]
+fn verify_what_each_economy_saves() {
+    let scene = built_in(
+        "four-edges",
+        &["duration=0.1", "sheet.triangles=800", "damping=60"],
+    );
+    let within = (Tolerance(0.05), 2.0);
+    let bars = waterfall(&scene, within, &mut clock(), &mut |_| {}).unwrap();
+    assert_eq!(bars.len(), 5);
+    for pair in bars[..4].windows(2) {
+        assert!(pair[1].cpu_rate < pair[0].cpu_rate, "{pair:?}");
+    }
+    let finished = bars.iter().filter_map(|bar| bar.error);
+    assert!(finished.clone().count() >= 3);
+    assert!(finished.fold(0.0, f64::max) < 0.05, "{bars:?}");
+    assert_eq!(to_csv(&bars).lines().count(), 6);
+    let svg = falls("a <title>", "F1", &bars).unwrap();
+    for bar in &bars {
+        assert!(svg.contains(&bar.method.name()), "{bar:?}");
+    }
+    assert_eq!(svg.matches("triangles").count(), 5);
 }
 
 #[test]
