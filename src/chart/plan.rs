@@ -18,6 +18,10 @@ const FEWEST: usize = 50;
 const FIRST: usize = 32;
 /// Exponent of the cost of the explicit scheme by the number of triangles, at least.
 const DEARER: f64 = 1.5;
+/// What a method may cost on a mesh of a quarter of the triangles, over the explicit scheme there, to be tried on the mesh
+/// itself; and what it may cost there in any case \[CPU-s\].
+const DEARER_THERE: f64 = 2.0;
+const LEAST_LOOK: f64 = 0.05;
 /// What a mesh may be expected to cost, over the budget, before a scene is given up without trying what is between.
 const HOPELESS: f64 = 8.0;
 /// Share of the tolerance that the mesh may take.
@@ -145,48 +149,28 @@ pub fn plan(
     if scene.method.scheme == Scheme::Equilibrium {
         return Err(PlanError::NoTime(scene.name.clone()));
     }
-    let (meshes, truth, space) = meshes(scene, (tolerance, budget), cpu, tell)?;
-    let explicit = meshes[meshes.len() - 1].clone();
+    let (levels, space) = meshes(scene, (tolerance, budget), cpu, tell)?;
+    let finest = &levels[levels.len() - 1];
+    let screen = &levels[levels.len().saturating_sub(3)];
+    let left = tolerance.0 - space;
     let mut best = Tried {
         error: Some(0.0),
-        ..explicit.clone()
+        ..finest.tried.clone()
     };
     let mut methods = vec![best.clone()];
     for method in candidates() {
-        let mut last = None;
-        for halving in 0..=HALVINGS {
-            let dt = moment(scene) / f64::from(1u32 << halving);
-            tell(&format!(
-                "{}, {} triangles, {:.3} ms",
-                method.name(),
-                explicit.triangles,
-                1e3 * dt
-            ));
-            let tried = at(scene, method, dt, explicit.triangles);
-            let (seen, spent) = match run(&tried, best.cpu, cpu) {
-                Ok(seen) => (Some(seen), 0.0),
-                Err(Ended::TooDear(spent, _)) => (None, spent),
-                Err(Ended::Died(_)) => continue,
-            };
-            let now = Tried {
-                method,
-                dt,
-                triangles: explicit.triangles,
-                cpu: seen.as_ref().map_or(spent, |s| s.cpu),
-                work: seen.as_ref().map_or(Work::default(), |s| s.work),
-                error: seen.as_ref().map(|s| apart(&s.readings, &truth)),
-            };
-            last = Some(now.clone());
-            match now.error {
-                Some(error) if error + space <= tolerance.0 => {
-                    best = now;
-                    break;
-                }
-                Some(_) => {}
-                None => break,
-            }
+        let most = (DEARER_THERE * screen.tried.cpu).max(LEAST_LOOK);
+        let (tried, from) = longest(scene, method, (screen, 0), (left, most), cpu, tell);
+        let Some(from) = from else {
+            methods.extend(tried);
+            continue;
+        };
+        let most = (left, best.cpu);
+        let (tried, holds) = longest(scene, method, (finest, from), most, cpu, tell);
+        methods.extend(tried.clone());
+        if let (Some(tried), Some(_)) = (tried, holds) {
+            best = tried;
         }
-        methods.extend(last);
     }
     let errors = [space, best.error.unwrap_or(0.0)];
     let scene = match best.method.scheme {
@@ -197,9 +181,51 @@ pub fn plan(
         scene,
         chosen: best,
         errors,
-        meshes,
+        meshes: levels.into_iter().map(|level| level.tried).collect(),
         methods,
     })
+}
+
+/// Tries a method on a mesh, from the step of so many halvings to shorter ones, until it holds what error is left for the
+/// step, or costs more than the most \[CPU-s\]. Its last try, and the halvings with which it holds.
+fn longest(
+    scene: &Scene,
+    method: Method,
+    (mesh, from): (&Level, u32),
+    (left, most): (f64, f64),
+    cpu: &mut CpuClock,
+    tell: &mut dyn FnMut(&str),
+) -> (Option<Tried>, Option<u32>) {
+    let triangles = mesh.tried.triangles;
+    let mut last = None;
+    for halving in from..=HALVINGS {
+        let dt = moment(scene) / f64::from(1u32 << halving);
+        let name = method.name();
+        tell(&format!(
+            "{name}, {triangles} triangles, {:.3} ms",
+            1e3 * dt
+        ));
+        let (seen, spent) = match run(&at(scene, method, dt, triangles), most, cpu) {
+            Ok(seen) => (Some(seen), 0.0),
+            Err(Ended::TooDear(spent, _)) => (None, spent),
+            Err(Ended::Died(_)) => continue,
+        };
+        let error = seen.as_ref().map(|s| apart(&s.readings, &mesh.readings));
+        last = Some(Tried {
+            method,
+            dt,
+            triangles,
+            cpu: seen.as_ref().map_or(spent, |s| s.cpu),
+            work: seen.as_ref().map_or(Work::default(), |s| s.work),
+            error,
+        });
+        match error {
+            Some(error) if error <= left => return (last, Some(halving)),
+            Some(_) => {}
+            None => break,
+        }
+    }
+    (last, None)
 }
 
 /// The implicit methods; the explicit one is tried with the meshes.
@@ -208,26 +234,30 @@ fn candidates() -> impl Iterator<Item = Method> {
     all.filter(|m| m.scheme != Scheme::CentralDifference && m.solver != Solver::Xpbd)
 }
 
-/// What was tried, the readings on the last, its error.
-pub(super) type Meshes = (Vec<Tried>, Vec<Vec<f64>>, f64);
+/// A mesh that was tried, with the readings on it.
+pub(super) struct Level {
+    pub tried: Tried,
+    pub readings: Vec<Vec<f64>>,
+}
 
-/// Doubles triangles until their error is small enough. At second order half the triangles are twice as far off, so what doubling changes is the error of the finer; half of what the
-/// doubling before changed bounds it where two meshes happen to agree.
+/// Doubles triangles until their error is small enough; what was tried, and the error of the last. At second order half
+/// the triangles are twice as far off, so what doubling changes is the error of the finer; half of what the doubling
+/// before changed bounds it where two meshes happen to agree.
 pub(super) fn meshes(
     scene: &Scene,
     (tolerance, budget): (Tolerance, f64),
     cpu: &mut CpuClock,
     tell: &mut dyn FnMut(&str),
-) -> Result<Meshes, PlanError> {
+) -> Result<(Vec<Level>, f64), PlanError> {
     let asked = triangles(scene).max(4 * FEWEST);
     let explicit = Method::from(Scheme::CentralDifference);
-    let mut tried: Vec<Tried> = vec![];
-    let (mut before, mut change): (Option<Vec<Vec<f64>>>, f64) = (None, f64::INFINITY);
+    let mut levels: Vec<Level> = vec![];
+    let mut change = f64::INFINITY;
     let mut count = (asked / FIRST).max(FEWEST);
     loop {
         tell(&format!("mesh of {count} triangles"));
-        let too_fine = |tried: &[Tried]| {
-            let finest = tried.last();
+        let too_fine = |levels: &[Level]| {
+            let finest = levels.last().map(|level| &level.tried);
             PlanError::TooFine {
                 budget,
                 triangles: finest.map_or(0, |t| t.triangles),
@@ -239,30 +269,34 @@ pub(super) fn meshes(
         let seen = match run(&at(scene, explicit, moment(scene), count), budget, cpu) {
             Ok(seen) => seen,
             Err(Ended::Died(message)) => return Err(PlanError::Died(message)),
-            Err(Ended::TooDear(..)) => return Err(too_fine(&tried)),
+            Err(Ended::TooDear(..)) => return Err(too_fine(&levels)),
         };
-        let changed = before.as_ref().map(|b| apart(b, &seen.readings));
+        let before = levels.last();
+        let changed = before.map(|level| apart(&level.readings, &seen.readings));
         let error = changed.map(|changed| changed.max(0.5 * change));
-        tried.push(Tried {
+        let tried = Tried {
             method: explicit,
             dt: seen.substep.unwrap_or_default(),
             triangles: count,
             cpu: seen.cpu,
             work: seen.work,
             error: error.filter(|e| e.is_finite()),
+        };
+        levels.push(Level {
+            tried,
+            readings: seen.readings,
         });
         if let Some(error) = error.filter(|e| *e <= SPACE * tolerance.0) {
-            return Ok((tried, seen.readings, error));
+            return Ok((levels, error));
         }
         // Half the error for twice the triangles: where that leads far beyond the budget, more runs tell nothing.
         let known = error.filter(|e| e.is_finite());
         let times = known.map_or(1.0, |e| e / (SPACE * tolerance.0));
         let hopeless = 4 * count >= asked && seen.cpu * times.powf(DEARER) > HOPELESS * budget;
         if seen.cpu * 2f64.powf(DEARER) > budget || hopeless {
-            return Err(too_fine(&tried));
+            return Err(too_fine(&levels));
         }
         change = changed.unwrap_or(f64::INFINITY);
-        before = Some(seen.readings);
         count *= 2;
     }
 }

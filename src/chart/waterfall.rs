@@ -42,8 +42,8 @@ pub fn waterfall(
         return Err(PlanError::NoTime(scene.name.clone()));
     }
     let asked = triangles(scene);
-    let (tried, ..) = meshes(scene, (tolerance, budget), cpu, tell)?;
-    let enough = tried.last().map_or(asked, |tried| tried.triangles);
+    let (levels, _) = meshes(scene, (tolerance, budget), cpu, tell)?;
+    let enough = levels.last().map_or(asked, |level| level.tried.triangles);
     let explicit = Method::from(Scheme::CentralDifference);
     let step = moment(scene) / (moment(scene) / STEP).ceil();
     tell("the reference");

@@ -102,12 +102,12 @@ pub(super) fn text(plan: &Plan, tolerance: Tolerance) -> String {
         ]
     });
     text += &table(&rows.collect::<Vec<_>>());
-    text += "\nmethods on that mesh, each at the longest step that holds\n";
+    text += "\nmethods, each at the longest step that holds\n";
     let rows = plan.methods.iter().map(|t| {
         let error = match t.error {
             Some(error) if error + space <= tolerance.0 => percent(error),
             Some(error) => format!("{}, too much", percent(error)),
-            None => "dearer than the best before it holds".to_string(),
+            None => format!("dearer than the best, on {} triangles", t.triangles),
         };
         vec![
             format!("  {}", t.method.name()),
