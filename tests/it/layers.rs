@@ -152,7 +152,7 @@ fn a_sheet_falls_on_itself() {
 }
 
 /// A strip that stands on its short side falls and folds onto itself.
-fn scene_of_a_fall(set: &[&str]) -> Scene {
+pub fn scene_of_a_fall(set: &[&str]) -> Scene {
     let mut all = vec!["layers={ friction = 0.3 }", "fabric.name=F1"];
     all.extend([
         "sheet.outline={ kind = \"rectangle\", length = 0.2, width = 0.04 }",

@@ -144,7 +144,7 @@ fn no_near_pair_is_missed() {
                 let wanted = brute(&tiles, &mesh, &positions, THICKNESS + margin);
                 assert_eq!(
                     candidates.found(),
-                    &wanted,
+                    wanted,
                     "{name}, margin {margin}, scale {scale}"
                 );
                 touched += candidates.len();
