@@ -4,11 +4,14 @@
 //! each other; [`Pair`]s are what is nearer than a reach; [`safe_share`] says how far a motion may go before two parts
 //! meet; [`crossings`] tells exactly whether they have.
 
+mod bounds;
 mod candidates;
 mod closest;
 mod crossing;
 mod detect;
 mod fit;
+#[cfg(test)]
+mod motion_test;
 mod patches;
 mod sweep;
 #[cfg(test)]

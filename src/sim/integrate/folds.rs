@@ -59,6 +59,10 @@ impl Folds {
             return wanted;
         }
         let rate = self.stiffest(law, inverse_mass);
+        // Layers that do not touch change nothing, not a bit.
+        if rate == 0.0 {
+            return wanted;
+        }
         let own = (2.0 / limit).powi(2);
         wanted.min(2.0 / (own / ROOM.powi(2) + GROWTH * rate).sqrt())
     }
