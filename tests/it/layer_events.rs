@@ -100,7 +100,13 @@ fn a_recording_tells_when_layers_meet_and_part() {
         ..RunOptions::default()
     };
     let scene = held(&["output.rate=50", "method.dt=0.005"]);
-    run(&scene, options, &mut |_| {}).expect("runs");
+    let summary = run(&scene, options, &mut |_| {}).expect("runs");
+    let layers = summary.layers;
+    assert!(
+        layers.from.is_some_and(|from| from > 0.1 && from < 0.6),
+        "{layers:?}"
+    );
+    assert!((5..summary.steps).contains(&layers.steps), "{layers:?}");
     let bytes = fs::read(&path).expect("read");
     let messages = mcap::MessageStream::new(&bytes).expect("an MCAP file");
     let (mut open, mut begun, mut tenth) = (BTreeSet::new(), 0, BTreeSet::new());

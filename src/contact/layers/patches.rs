@@ -1,11 +1,10 @@
 //! Patches of the sheet, and how near two of them may have come since they were searched.
 //!
 //! What was at least a distance apart stays so but for the motion of one patch against the other, which is at most that
-//! of their means and the farthest departures from these; or, since a rigid motion of both changes no distance, what is
-//! left of that when the one has turned with the other. Most patches move along with those that are near them; where two
-//! do not, they alone are searched again.
+//! of their means and the farthest departures from these. Most patches move along with those that are near them; where
+//! two do not, they alone are searched again.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use super::tiles::Tiles;
 
@@ -33,78 +32,7 @@ pub(super) struct Rooms {
     bases: Vec<Vec<Point>>,
     rooms: Vec<Room>,
     stale: Vec<bool>,
-    motions: Vec<Motion>,
-}
-
-/// How a patch has moved since a search.
-#[derive(Clone, Copy, Debug, Default)]
-struct Motion {
-    /// Where its middle was, and how that has moved \[m\].
-    middle: Point,
-    shift: Point,
-    /// Farthest departure from that shift \[m\].
-    astray: f64,
-    /// How it has turned, about.
-    turn: Matrix3<f64>,
-    /// Farthest departure from that turn \[m\].
-    bent: f64,
-    /// Its farthest point from the middle \[m\].
-    size: f64,
-}
-
-impl Motion {
-    fn of((patch, corners): (&[u32], &[u32; 3]), from: &[Point], to: &[Point]) -> Self {
-        let at = |list: &[Point], v: u32| list[v as usize];
-        let [before, after] = [from, to].map(|list| frame(corners.map(|v| at(list, v))));
-        let turn = after * before.transpose();
-        let mut sums = [Point::zeros(); 2];
-        for &v in patch {
-            sums[0] += at(from, v);
-            sums[1] += at(to, v);
-        }
-        let [middle, end] = sums.map(|sum| sum / patch.len().max(1) as f64);
-        let shift = end - middle;
-        let mut most = [0.0f64; 3];
-        for &v in patch {
-            let (x, y) = (at(from, v) - middle, at(to, v) - end);
-            for (most, away) in most.iter_mut().zip([y - x, y - turn * x, x]) {
-                let square = away.norm_squared();
-                // `f64::max` would pass over what is not a number.
-                *most = if square <= *most { *most } else { square };
-            }
-        }
-        let [astray, bent, size] = most.map(f64::sqrt);
-        Self {
-            middle,
-            shift,
-            astray,
-            turn,
-            bent,
-            size,
-        }
-    }
-
-    /// How much nearer two patches may have come, not caring that they have turned \[m\].
-    fn nearer(&self, other: &Self) -> f64 {
-        (self.shift - other.shift).norm() + self.astray + other.astray
-    }
-
-    /// The same, seen from this patch as it has turned.
-    fn nearer_turned(&self, other: &Self) -> f64 {
-        let apart = other.middle - self.middle;
-        let off = apart + other.shift - self.shift - self.turn * apart;
-        off.norm() + (other.turn - self.turn).norm() * other.size + self.bent + other.bent
-    }
-}
-
-/// Axes along a triangle; those of the world where it has no area.
-fn frame([a, b, c]: [Point; 3]) -> Matrix3<f64> {
-    let axes = || {
-        let x = (b - a).try_normalize(0.0)?;
-        let z = x.cross(&(c - a)).try_normalize(1e-12)?;
-        Some(Matrix3::from_columns(&[x, z.cross(&x), z]))
-    };
-    axes().unwrap_or_else(Matrix3::identity)
+    motions: Vec<(Point, f64)>,
 }
 
 /// Place of a pair of patches in a list of all.
@@ -139,11 +67,8 @@ impl Rooms {
             for a in 0..=b {
                 let room = self.rooms[n];
                 let motions = &self.motions[room.base as usize * patches..];
-                let (one, other) = (&motions[a], &motions[b]);
-                let mut left = room.size - one.nearer(other);
-                if left < wanted {
-                    left = left.max(room.size - one.nearer_turned(other));
-                }
+                let ((mean, radius), (other, reach)) = (motions[a], motions[b]);
+                let left = room.size - (mean - other).norm() - radius - reach;
                 // What is not a number is stale, too.
                 let enough = left >= wanted && !(full && room.base == 0);
                 self.stale[n] = !enough;
@@ -195,7 +120,7 @@ impl Rooms {
         self.rooms[number(two)] = Room { base, size };
     }
 
-    /// Motions of patches since the searches that left them room.
+    /// Mean motion of patches since the searches that left them room, and the farthest departure from it \[m\].
     fn move_all(&mut self, tiles: &Tiles, positions: &[Point]) {
         let patches = tiles.patches.len();
         let mut needed = vec![false; self.bases.len() * patches];
@@ -209,12 +134,21 @@ impl Rooms {
         }
         self.motions.clear();
         for (n, needed) in needed.into_iter().enumerate() {
-            let (base, patch) = (&self.bases[n / patches], n % patches);
-            let patch = (&tiles.patches[patch][..], &tiles.patch_corners[patch]);
+            let base = &self.bases[n / patches];
             self.motions.push(match needed {
-                true => Motion::of(patch, base, positions),
-                false => Motion::default(),
+                true => motion(&tiles.patches[n % patches], base, positions),
+                false => (Point::zeros(), 0.0),
             });
         }
     }
+}
+
+fn motion(patch: &[u32], from: &[Point], to: &[Point]) -> (Point, f64) {
+    let moved = |v: u32| to[v as usize] - from[v as usize];
+    let sum: Point = patch.iter().map(|&v| moved(v)).sum();
+    let mean = sum / patch.len().max(1) as f64;
+    let away = patch.iter().map(|&v| (moved(v) - mean).norm_squared());
+    // `f64::max` would pass over what is not a number.
+    let most = away.fold(0.0, |most: f64, a| if a <= most { most } else { a });
+    (mean, most.sqrt())
 }

@@ -66,8 +66,6 @@ pub struct Tiles {
     pub(super) patch_level: usize,
     pub(super) patches: Vec<Vec<u32>>,
     patch_of_face: Vec<u32>,
-    /// Three vertices far apart in each patch; any, where it is empty.
-    pub(super) patch_corners: Vec<[u32; 3]>,
     /// Faces around each vertex; zero on the boundary.
     stars: Vec<u8>,
     /// Pairs of a vertex and a face, and of two edges, closer than `span` in the flat sheet but for the excluded.
@@ -178,7 +176,6 @@ impl Tiles {
             vertex_keeper,
             edge_keeper,
             patch_level,
-            patch_corners: patches.iter().map(|patch| extremes(mesh, patch)).collect(),
             patches,
             patch_of_face,
             stars,
@@ -250,15 +247,6 @@ fn patches(
         patch.dedup();
     }
     (patches, of_face)
-}
-
-/// The vertices of a patch that lie farthest to three sides.
-fn extremes(mesh: &Mesh, patch: &[u32]) -> [u32; 3] {
-    [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0]].map(|side| {
-        let along = |v: &u32| mesh.material[*v as usize].dot(&Vector2::from(side));
-        let farthest = patch.iter().max_by(|a, b| along(a).total_cmp(&along(b)));
-        farthest.copied().unwrap_or_default()
-    })
 }
 
 fn keepers(mesh: &Mesh) -> [Vec<u32>; 2] {
