@@ -26,7 +26,7 @@ fn no_touching_pair_is_missed_in_motion() {
     let mut candidates = Candidates::default();
     let mut before = place(0.0);
     candidates.collect(&tiles, &mesh, &before, margin);
-    let (all, mut touched, mut renewed, mut given) = (candidates.len(), 0, 0, 0);
+    let (mut touched, mut renewed, mut given) = (0, 0, 0);
     for step in 1..=300 {
         let positions = place(f64::from(step) / 300.0);
         let way = before.iter().zip(&positions).map(|(a, b)| (a - b).norm());
@@ -56,5 +56,5 @@ fn no_touching_pair_is_missed_in_motion() {
         before = positions;
     }
     assert!(touched > 1000 && renewed > 5, "{touched} {renewed}");
-    assert!(given > 0 && all > 0, "{given} {all}");
+    assert!(given > 0, "the searches find nothing");
 }
