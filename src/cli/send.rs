@@ -92,7 +92,7 @@ impl SendArgs {
             inlet,
             message,
             read,
-        } = self.what.parcel();
+        } = self.what.parcel()?;
         let inlet = inbound::find(inlet)
             .ok_or_else(|| CliError::Input(format!("there is no inlet {inlet}")))?;
         let message = message.map_err(NodeError::from)?;
@@ -114,9 +114,9 @@ impl SendArgs {
 }
 
 impl What {
-    fn parcel(&self) -> Parcel {
-        match self {
-            What::Obstacle(args) => topic("/toile/cmd/obstacle", &args.command()),
+    fn parcel(&self) -> Result<Parcel, CliError> {
+        Ok(match self {
+            What::Obstacle(args) => topic("/toile/cmd/obstacle", &args.command()?),
             What::Air(args) => topic("/toile/cmd/airflow", &args.command()),
             What::Pause => set_state(SimulationState::STATE_PAUSED),
             What::Resume => set_state(SimulationState::STATE_PLAYING),
@@ -158,7 +158,7 @@ impl What {
                 },
                 |answer| (answer.result, place(&answer.state)),
             ),
-        }
+        })
     }
 }
 

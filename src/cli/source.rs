@@ -39,9 +39,13 @@ fn beside(scene: &str, file: &str) -> Result<Vec<u8>, String> {
         "-" => None,
         scene => Path::new(scene).parent(),
     };
-    let path = folder.unwrap_or(Path::new("")).join(file);
+    triangles(&folder.unwrap_or(Path::new("")).join(file))
+}
+
+/// The bytes of a file of triangles; an error is one line with its path.
+pub(super) fn triangles(path: &Path) -> Result<Vec<u8>, String> {
     let failed = |reason: String| format!("cannot read {}: {reason}", path.display());
-    let file = File::open(&path).map_err(|error| failed(error.to_string()))?;
+    let file = File::open(path).map_err(|error| failed(error.to_string()))?;
     bounded(file, LARGEST).map_err(failed)
 }
 

@@ -33,6 +33,11 @@ pub(super) fn text(scene: &Scene, run: &Summary) -> String {
     if run.slept > 0 {
         rows.push(("asleep", format!("{} of {} steps", run.slept, run.steps)));
     }
+    if let (Some(_), Some(from)) = (scene.layers, run.layers.from) {
+        let (from, touched) = (output::significant(from, 3), run.layers.steps);
+        let said = format!("from {from} s on, after {touched} of {} steps", run.steps);
+        rows.push(("layers touch", said));
+    }
     if run.crossings > 0 {
         let counts = format!("{} edges passed through faces at most", run.crossings);
         rows.push(("sheet crosses itself", counts));
@@ -213,6 +218,7 @@ pub(super) fn json(scene: &Scene, warnings: &[Warning], run: &Summary) -> Value 
         "largest_strain": run.largest_strain,
         "deepest_penetration": run.deepest_penetration,
         "crossings": run.crossings,
+        "layers": run.layers,
         "neglected": run.neglected.iter().map(|(term, time)| json!({ "term": term, "from": time })).collect::<Vec<_>>(),
         // Programs read JSON numbers as doubles, which do not hold 64 bits.
         "digest": format!("{:016x}", run.digest),

@@ -55,5 +55,5 @@ pub use recover::{Recovery, recover};
 pub use replay::{Replay, ReplayOptions, replay};
 pub use run::{Progress, RunOptions, run};
 pub use seal::seal;
-pub use summary::{Orders, Peak, Summary};
+pub use summary::{Layers, Orders, Peak, Summary};
 pub use verify::verify;

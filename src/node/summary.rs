@@ -23,6 +23,15 @@ impl Peak {
     }
 }
 
+/// When layers of the sheet touched.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Layers {
+    /// End of the first step after which they did \[s\].
+    pub from: Option<f64>,
+    /// After how many steps they did.
+    pub steps: u64,
+}
+
 /// What became of the orders that came in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Orders {
@@ -61,6 +70,8 @@ pub struct Summary {
     pub deepest_penetration: Peak,
     /// Most edges of the sheet that passed through its faces after a step.
     pub crossings: u64,
+    /// When layers touched, whether the scene has them or not.
+    pub layers: Layers,
     /// Terms that the scene leaves out and should not, each with the time at which that showed \[s\].
     pub neglected: Vec<(&'static str, f64)>,
     /// Whether every step converged.
@@ -102,6 +113,10 @@ impl Summary {
         self.slept += u64::from(report.work == Work::default());
         self.work += report.work;
         self.crossings = self.crossings.max(report.crossings);
+        if report.layer_contacts > 0 {
+            self.layers.from.get_or_insert(report.time);
+            self.layers.steps += 1;
+        }
         for &term in &report.neglected {
             if !self.neglected.iter().any(|(name, _)| *name == term) {
                 self.neglected.push((term, report.time));

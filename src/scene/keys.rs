@@ -4,7 +4,9 @@
 //! possible but unwise is left to warnings. `tests/it/scene.rs` holds this table against the serde types.
 
 use super::quantity::{Range, range};
-use super::ranges::{FLUID_DAMPING, FRICTION, PLACE, SIZE, SPEED, TIME, TURN_RATE, WIND};
+use super::ranges::{
+    FLUID_DAMPING, FRICTION, MESH_SCALE, PLACE, SIZE, SPEED, TIME, TURN_RATE, WIND,
+};
 
 /// One key of a table.
 pub(super) struct Key {
@@ -229,7 +231,7 @@ const SHAPE: &[(&str, &[Key])] = &[
         "mesh",
         &[
             may("file", Text(1000)),
-            may("scale", Number(range(1e-6, 1e6, ""))),
+            may("scale", Number(MESH_SCALE)),
             may("vertices", Triples(PLACE)),
             may("triangles", Corners),
         ],

@@ -1,7 +1,7 @@
 //! The built-in scenes, embedded so that the binary runs with nothing beside it.
 
 /// Name and text of each, in the order of `toile list scenes`.
-const SCENES: [(&str, &str); 14] = [
+const SCENES: [(&str, &str); 15] = [
     ("drape-table", include_str!("library/drape-table.toml")),
     (
         "drape-table-air",
@@ -17,6 +17,7 @@ const SCENES: [(&str, &str); 14] = [
         "drape-table-part",
         include_str!("library/drape-table-part.toml"),
     ),
+    ("drape-podium", include_str!("library/drape-podium.toml")),
     ("drapemeter", include_str!("library/drapemeter.toml")),
     (
         "drapemeter-resting",

@@ -16,6 +16,9 @@ pub const OVERLAP: Range = range(0.0, 1e4, "m or m/s");
 /// Coulomb friction coefficients.
 pub const FRICTION: Range = range(0.0, 10.0, "");
 
+/// What the lengths in a file of triangles are multiplied by.
+pub const MESH_SCALE: Range = range(1e-6, 1e6, "");
+
 /// Components of the air's velocity.
 pub const WIND: Range = range(-200.0, 200.0, "m/s");
 /// C of the air force.

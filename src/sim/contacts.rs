@@ -5,8 +5,11 @@ use std::collections::BTreeMap;
 use nalgebra::Vector3;
 
 use super::assembly::pick;
+use super::integrate::explicit::Loads;
+use super::layers::LayerTouch;
 use super::simulation::{Engine, Simulation};
 use super::touch::Touch;
+use crate::contact::layers::Pair;
 use crate::contact::{Proximity, with_obstacle};
 use crate::physics::Potential;
 use crate::physics::contact::{ContactLaw, weighted};
@@ -77,14 +80,22 @@ impl Simulation {
         touch.proximities.iter().map(contact).collect()
     }
 
+    /// Loads of what touches in the last substep of the explicit scheme.
+    pub(super) fn last_substep(&self, touch: &Touch, pairs: &[Pair]) -> Option<Loads> {
+        let Engine::Explicit(explicit, substep) = &self.engine else {
+            return None;
+        };
+        let last = self.state.history.dt;
+        let dt = if last > 0.0 { last } else { *substep };
+        Some(explicit.loads(&self.model, &self.state, (touch, pairs), dt))
+    }
+
     /// Normal force and friction by key where they are not the contact law's alone \[N\].
     fn loads(&self, law: &ContactLaw, touch: &Touch) -> BTreeMap<u64, (f64, Vector3<f64>)> {
         let (model, state) = (&self.model, &self.state);
-        if let Engine::Explicit(explicit, substep) = &self.engine {
-            let last = state.history.dt;
-            let dt = if last > 0.0 { last } else { *substep };
-            let loads = explicit.loads(model, law, state, touch, dt);
-            return loads.into_iter().map(|(key, n, f)| (key, (n, f))).collect();
+        if let Some(loads) = self.last_substep(touch, &LayerTouch::of(model, state).pairs) {
+            let loads = loads.obstacles.into_iter();
+            return loads.map(|(key, n, f)| (key, (n, f))).collect();
         }
         let friction = Friction {
             bonds: &touch.bonds,

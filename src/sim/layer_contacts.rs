@@ -8,9 +8,10 @@ use super::assembly::pick;
 use super::contacts::ContactPoint;
 use super::layers::LayerTouch;
 use super::simulation::Simulation;
+use super::touch::Touch;
 use crate::contact::layers::{Pair, parts_of};
 use crate::physics::Potential;
-use crate::physics::layers::LayerFriction;
+use crate::physics::layers::{LayerFriction, LayerLaw};
 
 /// What the sheet is called among obstacles, with the triangle of the other layer after it: no obstacle has a `/` in its
 /// name.
@@ -19,7 +20,7 @@ pub const SHEET: &str = "sheet/";
 impl Simulation {
     /// Where the sheet touches itself in the present state: all that a vertex meets on one side is a contact, and every
     /// two edges are. Forces are those on the layer that `face` is of; `obstacle` says `sheet/` and a triangle of the
-    /// other. Friction is that of implicit schemes; the explicit one remembers none. Looks at all of it anew.
+    /// other. Looks at all of it anew.
     pub fn layer_contacts(&self) -> Vec<ContactPoint> {
         let (model, state) = (&self.model, &self.state);
         let Some(law) = &model.layers else {
@@ -27,20 +28,12 @@ impl Simulation {
         };
         let touch = LayerTouch::of(model, state);
         let normals = self.vertex_normals();
-        let friction = LayerFriction {
-            bonds: &touch.bonds,
-        };
+        let loads = self.layer_loads(law, &touch);
         let mut contacts: BTreeMap<u64, (ContactPoint, f64)> = BTreeMap::new();
         for (i, pair) in touch.pairs.iter().enumerate() {
             let key = self.identity(pair, &normals);
-            let push = pair.normal * law.normal_force(pair);
-            let rub = match i < friction.count() {
-                true => -on_first(
-                    pair,
-                    friction.gradient(i, &pick(&state.positions, &pair.nodes)),
-                ),
-                false => Vector3::zeros(),
-            };
+            let (load, rub) = loads[i];
+            let push = pair.normal * load;
             let (contact, distance) = contacts
                 .entry(key)
                 .or_insert_with(|| (self.contact_of(key, pair), f64::INFINITY));
@@ -62,6 +55,28 @@ impl Simulation {
         });
         pressed
             .filter(|contact| contact.normal_force > 0.0)
+            .collect()
+    }
+
+    /// Normal force and friction on the first feature of each pair \[N\].
+    fn layer_loads(&self, law: &LayerLaw, layers: &LayerTouch) -> Vec<(f64, Vector3<f64>)> {
+        let (model, state) = (&self.model, &self.state);
+        if let Some(loads) = self.last_substep(&Touch::of(model, state, None), &layers.pairs) {
+            return loads.layers;
+        }
+        let friction = LayerFriction {
+            bonds: &layers.bonds,
+        };
+        let rub = |i: usize, pair: &Pair| match i < friction.count() {
+            true => {
+                let nodes = pick(&state.positions, &pair.nodes);
+                -on_first(pair, friction.gradient(i, &nodes))
+            }
+            false => Vector3::zeros(),
+        };
+        let pairs = layers.pairs.iter().enumerate();
+        pairs
+            .map(|(i, pair)| (law.normal_force(pair), rub(i, pair)))
             .collect()
     }
 

@@ -50,15 +50,7 @@ impl LayerTouch {
     /// Forces on vertices \[N\].
     pub fn pushes(&self, law: &LayerLaw, nodes: &[Vector3<f64>]) -> Vec<(u32, Vector3<f64>)> {
         let mut pushes = Vec::with_capacity(4 * (self.pairs.len() + self.bonds.len()));
-        for pair in &self.pairs {
-            let force = pair.normal * law.normal_force(pair);
-            let loaded = pair.nodes.iter().zip(pair.weights);
-            pushes.extend(
-                loaded
-                    .filter(|(_, w)| *w != 0.0)
-                    .map(|(&v, w)| (v, force * w)),
-            );
-        }
+        pushes.extend(Self::presses(law, &self.pairs));
         let friction = LayerFriction { bonds: &self.bonds };
         for s in 0..friction.count() {
             let stencil = friction.nodes(s);
@@ -66,6 +58,16 @@ impl LayerTouch {
             pushes.extend(stencil.into_iter().zip(gradient.map(|g| -g)));
         }
         pushes
+    }
+
+    /// Forces of compression on vertices \[N\].
+    pub fn presses(law: &LayerLaw, pairs: &[Pair]) -> impl Iterator<Item = (u32, Vector3<f64>)> {
+        pairs.iter().flat_map(|pair| {
+            let force = pair.normal * law.normal_force(pair);
+            let loaded = pair.nodes.into_iter().zip(pair.weights);
+            let loaded = loaded.filter(|(_, w)| *w != 0.0);
+            loaded.map(move |(v, w)| (v, force * w))
+        })
     }
 
     /// Second derivatives of contact and friction, pair by pair.

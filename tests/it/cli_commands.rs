@@ -189,6 +189,57 @@ fn a_session_with_live_commands_replays() {
     assert_eq!(output.status.code(), Some(0), "{}", err(&output));
 }
 
+/// A triangle mesh goes from a file into a live session; broken files are refused before anything is sent.
+#[cfg(feature = "iceoryx2")]
+#[test]
+fn a_mesh_is_sent_from_a_file() {
+    const WEDGE: &str =
+        "v 0 0 0\nv 40 0 0\nv 0 40 0\nv 0 0 40\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    let dir = TempDir::new().unwrap();
+    std::fs::write(dir.path().join("wedge.obj"), WEDGE).unwrap();
+    std::fs::write(dir.path().join("broken.obj"), "v 0 0 0\nf 1 2 3\n").unwrap();
+    std::fs::write(dir.path().join("empty.stl"), "solid\nendsolid\n").unwrap();
+    let name = format!("mesh-{}", std::process::id());
+    let run = [
+        "-o", "a.mcap", "--shm", "--pace", "lockstep", "--name", &name,
+    ];
+    let mut child = crate::cli::command(dir.path(), &[&DRAPE[..], &run].concat());
+    let child = child
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    wait_for_run(&dir, &name);
+    let send = |args: &[&str]| {
+        let rest = ["--name", &name, "--timeout", "60"];
+        toile(dir.path(), &[&["send"], args, &rest].concat())
+    };
+    let mesh = |file: &str, scale: &str| {
+        let shape = ["--mesh", file, "--scale", scale];
+        let place = ["--position", "0.4,0,0"];
+        send(&[&["obstacle", "add", "wedge"], &shape[..], &place[..]].concat())
+    };
+    for (file, scale, code, said) in [
+        ("broken.obj", "1", 2, "broken.obj"),
+        ("empty.stl", "1", 2, "empty.stl"),
+        ("none.stl", "1", 2, "none.stl"),
+        ("wedge.obj", "0", 2, "--scale"),
+        ("wedge.obj", "1e-3", 0, ""),
+        ("wedge.obj", "1e-3", 1, "wedge"),
+    ] {
+        let output = mesh(file, scale);
+        let told = err(&output);
+        println!("{file}, {scale}: {told}");
+        assert_eq!(output.status.code(), Some(code), "{file}, {scale}: {told}");
+        assert!(told.contains(said), "{file}, {scale}: {told}");
+    }
+    assert_eq!(send(&["resume"]).status.code(), Some(0));
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    let output = toile(dir.path(), &["replay", "a.mcap"]);
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+}
+
 /// A run that nobody has started yet ends at a signal like any other, its recording closed.
 #[cfg(feature = "iceoryx2")]
 #[test]

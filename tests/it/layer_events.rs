@@ -11,7 +11,7 @@ use toile::wire::messages::toile_msgs::{ContactEvent, ContactEvents};
 use toile::wire::{cdr, channels};
 
 use crate::lab::simulation;
-use crate::layers::held;
+use crate::layers::{held, scene_of_a_fall};
 
 /// The forces are those of the pairs, each on a face of its own and on the triangle that it names.
 #[test]
@@ -24,14 +24,18 @@ fn contacts_of_layers_carry_what_their_pairs_do() {
             let report = simulation.step().unwrap_or_else(|e| panic!("{e}"));
             assert!(report.time < 0.6, "nothing touches");
             let (count, contacts) = (report.layer_contacts, simulation.layer_contacts());
-            assert_eq!(count == 0, contacts.is_empty());
+            assert!(count > 0 || contacts.is_empty());
             seen += contacts.len();
-            let pairs: Vector3<f64> = simulation.layers().iter().map(|p| p.force).sum();
-            let all: Vector3<f64> = contacts.iter().map(|c| c.normal * c.normal_force).sum();
-            assert!(
-                (pairs - all).norm() < 1e-9 * (1.0 + pairs.norm()),
-                "{pairs} {all}"
-            );
+            // The explicit scheme damps what meets: its forces are not the law's alone.
+            if scheme.ends_with("bdf2") {
+                assert_eq!(count == 0, contacts.is_empty());
+                let pairs: Vector3<f64> = simulation.layers().iter().map(|p| p.force).sum();
+                let all: Vector3<f64> = contacts.iter().map(|c| c.normal * c.normal_force).sum();
+                assert!(
+                    (pairs - all).norm() < 1e-9 * (1.0 + pairs.norm()),
+                    "{pairs} {all}"
+                );
+            }
             let mut keys = BTreeSet::new();
             let faces = &simulation.model().mesh.faces;
             for contact in &contacts {
@@ -53,6 +57,39 @@ fn contacts_of_layers_carry_what_their_pairs_do() {
     }
 }
 
+/// Friction of layers in the events: within the cone, and on it where they slide, against the slip. Explicit and
+/// implicit, in a sheet that falls on itself.
+#[test]
+fn verify_friction_of_layers_is_on_the_cone() {
+    for (scheme, dt) in [("central-difference", 1.0 / 60.0), ("bdf2", 1.0 / 240.0)] {
+        let sets = [format!("method.scheme={scheme}"), format!("method.dt={dt}")];
+        let mut set: Vec<&str> = sets.iter().map(String::as_str).collect();
+        set.extend(["duration=0.5", "output.rate=50", "sheet.edge=8e-3"]);
+        let scene = scene_of_a_fall(&set);
+        let mut simulation = simulation(&scene);
+        let (mut rubbed, mut sliding) = (0, 0);
+        for _ in 0..scene.steps() {
+            simulation.step().unwrap_or_else(|e| panic!("{e}"));
+            for contact in simulation.layer_contacts() {
+                let (force, slip) = (contact.friction_force, contact.slip_velocity);
+                let share = force.norm() / (0.3 * contact.normal_force);
+                assert!(share < 1.001, "{scheme}: {share} of the cone");
+                rubbed += u32::from(share > 0.0);
+                if slip.norm() > 0.1 {
+                    let cosine = force.dot(&slip) / (force.norm() * slip.norm());
+                    assert!(
+                        share > 0.99 && cosine < -0.5,
+                        "{scheme}: {share} of the cone at {cosine} to the slip"
+                    );
+                    sliding += 1;
+                }
+            }
+        }
+        println!("{scheme}: {rubbed} contacts rub, {sliding} slide");
+        assert!(sliding > 5, "{scheme}: {sliding} slide");
+    }
+}
+
 /// A contact begins, persists at most ten times a second, and ends; each in its turn.
 #[test]
 fn a_recording_tells_when_layers_meet_and_part() {
@@ -63,7 +100,13 @@ fn a_recording_tells_when_layers_meet_and_part() {
         ..RunOptions::default()
     };
     let scene = held(&["output.rate=50", "method.dt=0.005"]);
-    run(&scene, options, &mut |_| {}).expect("runs");
+    let summary = run(&scene, options, &mut |_| {}).expect("runs");
+    let layers = summary.layers;
+    assert!(
+        layers.from.is_some_and(|from| from > 0.1 && from < 0.6),
+        "{layers:?}"
+    );
+    assert!((5..summary.steps).contains(&layers.steps), "{layers:?}");
     let bytes = fs::read(&path).expect("read");
     let messages = mcap::MessageStream::new(&bytes).expect("an MCAP file");
     let (mut open, mut begun, mut tenth) = (BTreeSet::new(), 0, BTreeSet::new());

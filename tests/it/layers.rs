@@ -1,7 +1,7 @@
 //! The sheet against itself: what starts apart stays apart, and what a scene leaves out is told.
 
 use toile::contact::layers::crossings;
-use toile::scene::Scene;
+use toile::scene::{LayersSpec, Scene};
 use toile::sim::{Energies, Simulation};
 
 use crate::lab::{built_in, simulation};
@@ -151,8 +151,32 @@ fn a_sheet_falls_on_itself() {
     }
 }
 
+/// Where the sheet does not touch itself, layers change not a bit, whatever the scheme: they are searched for, and that is
+/// all.
+#[test]
+fn layers_that_do_not_touch_change_nothing() {
+    for (name, scheme, set) in [
+        ("drape-table", "central-difference", "duration=0.2"),
+        ("held-point", "central-difference", "duration=0.12"),
+        ("four-edges", "bdf2", "duration=0.1"),
+        ("drape-table", "backward-euler", "duration=0.1"),
+    ] {
+        let scheme = format!("method.scheme={scheme}");
+        let mut with = built_in(name, &[&scheme, set, "sheet.triangles=600"]);
+        with.layers = Some(LayersSpec::default());
+        let mut without = with.clone();
+        without.layers = None;
+        let mut runs = [simulation(&with), simulation(&without)];
+        for step in 0..with.steps() {
+            let [a, b] = runs.each_mut().map(|run| run.step().unwrap().clone());
+            assert_eq!(a.layer_contacts, 0, "{name}, step {step}");
+            assert_eq!(a.digest, b.digest, "{name}, {scheme}, step {step}");
+        }
+    }
+}
+
 /// A strip that stands on its short side falls and folds onto itself.
-fn scene_of_a_fall(set: &[&str]) -> Scene {
+pub fn scene_of_a_fall(set: &[&str]) -> Scene {
     let mut all = vec!["layers={ friction = 0.3 }", "fabric.name=F1"];
     all.extend([
         "sheet.outline={ kind = \"rectangle\", length = 0.2, width = 0.04 }",

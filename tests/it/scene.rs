@@ -108,6 +108,7 @@ fn built_in_scenes_are_checked_and_survive_being_written() {
             "held-point",
             "falling-sheet",
             "drape-table-part",
+            "drape-podium",
             "drapemeter",
             "drapemeter-resting",
             "towel-fold",

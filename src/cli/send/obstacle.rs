@@ -1,11 +1,17 @@
 //! `toile send obstacle`.
 
+use std::path::{Path, PathBuf};
+
 use clap::{Args, Subcommand};
 use nalgebra::UnitQuaternion;
 
 use super::{numbers, vector};
+use crate::cli::{CliError, source};
+use crate::contact::Surface;
+use crate::contact::surface::Triangles;
+use crate::scene::ranges::MESH_SCALE;
 use crate::wire::messages::geometry_msgs::{Point, Pose, Quaternion, Twist, Vector3};
-use crate::wire::messages::shape_msgs::{Plane, SolidPrimitive};
+use crate::wire::messages::shape_msgs::{Mesh, MeshTriangle, Plane, SolidPrimitive};
 use crate::wire::messages::toile_msgs::ObstacleCommand;
 
 /// Adds, moves or removes an obstacle.
@@ -23,6 +29,9 @@ enum What {
         name: String,
         #[command(flatten)]
         shape: Shape,
+        /// What the lengths of the mesh are multiplied by; 1e-3 for millimetres.
+        #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = mesh_scale, requires = "mesh")]
+        scale: f64,
         #[command(flatten)]
         motion: Motion,
         /// Friction coefficient against the cloth.
@@ -64,6 +73,9 @@ struct Shape {
     /// All that is below its z = 0.
     #[arg(long)]
     plane: bool,
+    /// A triangle mesh in metres, from an STL or OBJ file: solid if closed, else a plate without thickness.
+    #[arg(long, value_name = "FILE")]
+    mesh: Option<PathBuf>,
 }
 
 #[derive(Args)]
@@ -83,19 +95,22 @@ struct Motion {
 }
 
 impl ObstacleArgs {
-    pub(super) fn command(&self) -> ObstacleCommand {
+    /// # Errors
+    /// A file of triangles that cannot be read, or is no surface.
+    pub(super) fn command(&self) -> Result<ObstacleCommand, CliError> {
         let mut command = ObstacleCommand::default();
         match &self.what {
             What::Add {
                 name,
                 shape,
+                scale,
                 motion,
                 friction,
             } => {
                 command.operation = ObstacleCommand::ADD;
                 command.name.clone_from(name);
                 command.friction = *friction;
-                shape.put_into(&mut command);
+                shape.put_into(*scale, &mut command)?;
                 motion.put_into(&mut command);
             }
             What::Move { name, motion } => {
@@ -108,12 +123,22 @@ impl ObstacleArgs {
                 command.name.clone_from(name);
             }
         }
-        command
+        Ok(command)
     }
 }
 
 impl Shape {
-    fn put_into(&self, command: &mut ObstacleCommand) {
+    fn put_into(&self, scale: f64, command: &mut ObstacleCommand) -> Result<(), CliError> {
+        if let Some(path) = &self.mesh {
+            command.shape = ObstacleCommand::MESH;
+            command.mesh = triangles(path, scale)?;
+        } else {
+            self.put_solid_into(command);
+        }
+        Ok(())
+    }
+
+    fn put_solid_into(&self, command: &mut ObstacleCommand) {
         let mut solid = |shape, r#type, dimensions: &[f64]| {
             command.shape = shape;
             command.solid = SolidPrimitive {
@@ -143,6 +168,33 @@ impl Shape {
             };
         }
     }
+}
+
+fn mesh_scale(text: &str) -> Result<f64, String> {
+    let scale = text
+        .parse()
+        .ok()
+        .filter(|&scale| MESH_SCALE.contains(scale));
+    scale.ok_or_else(|| format!("must be a number {MESH_SCALE}"))
+}
+
+/// The triangles of a file, checked as those of a scene are.
+fn triangles(path: &Path, scale: f64) -> Result<Mesh, CliError> {
+    let refuse = |reason: String| CliError::Input(format!("{}: {reason}", path.display()));
+    let bytes = source::triangles(path).map_err(CliError::Input)?;
+    let surface = Surface::read(&bytes, scale).map_err(|error| refuse(error.to_string()))?;
+    let Triangles {
+        vertices,
+        triangles,
+    } = surface.into();
+    let vertices = vertices.into_iter().map(|[x, y, z]| Point { x, y, z });
+    let triangles = triangles
+        .into_iter()
+        .map(|vertex_indices| MeshTriangle { vertex_indices });
+    Ok(Mesh {
+        vertices: vertices.collect(),
+        triangles: triangles.collect(),
+    })
 }
 
 impl Motion {

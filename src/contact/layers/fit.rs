@@ -2,82 +2,12 @@
 
 use nalgebra::Vector3;
 
+use super::bounds::{Bounds, Spread, max, min};
 use super::closest::between;
 use super::tiles::{Level, Tiles};
 use crate::sheet::Mesh;
 
 type Point = Vector3<f64>;
-
-/// An axis-aligned box of the world.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Bounds {
-    low: Point,
-    high: Point,
-}
-
-impl Bounds {
-    const EMPTY: Self = Self {
-        low: Vector3::new(f64::INFINITY, f64::INFINITY, f64::INFINITY),
-        high: Vector3::new(f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY),
-    };
-
-    fn add(&mut self, p: &Point) {
-        for k in 0..3 {
-            self.low[k] = min(self.low[k], p[k]);
-            self.high[k] = max(self.high[k], p[k]);
-        }
-    }
-
-    fn join(&mut self, other: &Self) {
-        for k in 0..3 {
-            self.low[k] = min(self.low[k], other.low[k]);
-            self.high[k] = max(self.high[k], other.high[k]);
-        }
-    }
-
-    /// Whether some axis alone keeps them `reach` apart; the empty box is apart from all.
-    fn apart(&self, other: &Self, reach: f64) -> bool {
-        (0..3).any(|k| self.low[k] - other.high[k] >= reach || other.low[k] - self.high[k] >= reach)
-    }
-}
-
-// `f64::min` cares for NaN, which costs time; what is not finite is found elsewhere.
-fn min(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-fn max(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-/// Deformation gradients that lie within a radius of a mean.
-#[derive(Clone, Copy, Debug)]
-struct Spread {
-    mean: [Point; 2],
-    radius: f64,
-}
-
-impl Spread {
-    fn away(&self, mean: &[Point; 2]) -> f64 {
-        let [a, b] = [self.mean[0] - mean[0], self.mean[1] - mean[1]];
-        self.radius + (a.norm_squared() + b.norm_squared()).sqrt()
-    }
-
-    fn join(parts: &[Self]) -> Self {
-        let count = parts.len() as f64;
-        let mean = [0, 1].map(|k| parts.iter().map(|p| p.mean[k]).sum::<Point>() / count);
-        let radius = parts.iter().map(|p| p.away(&mean)).fold(0.0, f64::max);
-        Self { mean, radius }
-    }
-
-    /// Least stretch over the straight lines of the patch.
-    fn least(&self) -> f64 {
-        let [u, v] = &self.mean;
-        let (a, b, c) = (u.norm_squared(), u.dot(v), v.norm_squared());
-        let least = 0.5 * (a + c - ((a - c).powi(2) + 4.0 * b * b).sqrt());
-        least.max(0.0).sqrt() - self.radius
-    }
-}
 
 /// Boxes and spreads of all tiles for given positions.
 #[derive(Clone, Debug, Default)]
@@ -86,96 +16,147 @@ pub struct Fit {
     bounds: Vec<Vec<Bounds>>,
     spreads: Vec<Vec<Option<Spread>>>,
     gradients: Vec<[Point; 2]>,
+    /// Which faces have been laid out.
+    laid: Vec<bool>,
 }
 
 impl Fit {
     /// Lays the tiles over the sheet while it moves straight through the given positions, one or two lists.
     pub fn over(&mut self, tiles: &Tiles, mesh: &Mesh, moments: &[&[Point]]) {
-        self.faces.clear();
-        self.gradients.clear();
-        for (face, shape) in mesh.faces.iter().zip(&tiles.shape) {
-            let mut bounds = Bounds::EMPTY;
-            for positions in moments {
-                let [a, b, c] = face.map(|v| positions[v as usize]);
-                [a, b, c].iter().for_each(|p| bounds.add(p));
-                let (u, v) = (b - a, c - a);
-                self.gradients
-                    .push([0, 1].map(|k| u * shape[1][k] + v * shape[2][k]));
-            }
-            self.faces.push(bounds);
-        }
+        self.lay(
+            tiles,
+            mesh,
+            moments,
+            (tiles.levels.len(), &|_| (true, true)),
+        );
+    }
+
+    /// Lays the boxes of some patches over the sheet, and the spreads of some.
+    pub(super) fn over_patches(
+        &mut self,
+        tiles: &Tiles,
+        mesh: &Mesh,
+        positions: &[Point],
+        [boxes, spreads]: [&[bool]; 2],
+    ) {
+        let levels = tiles.patch_level + 1;
+        let wanted = |patch: usize| (boxes[patch], spreads[patch]);
+        self.lay(tiles, mesh, &[positions], (levels, &wanted));
+    }
+
+    fn lay(
+        &mut self,
+        tiles: &Tiles,
+        mesh: &Mesh,
+        moments: &[&[Point]],
+        (levels, wanted): (usize, &dyn Fn(usize) -> (bool, bool)),
+    ) {
+        let nowhere = [Point::zeros(); 2];
+        self.faces.resize(mesh.faces.len(), Bounds::EMPTY);
+        self.gradients
+            .resize(mesh.faces.len() * moments.len(), nowhere);
+        self.laid.clear();
+        self.laid.resize(mesh.faces.len(), false);
         self.bounds.resize(tiles.levels.len(), vec![]);
         self.spreads.resize(tiles.levels.len(), vec![]);
-        self.finest(tiles, moments.len());
-        for level in 1..tiles.levels.len() {
-            self.coarser(tiles, level);
-        }
-    }
-
-    fn finest(&mut self, tiles: &Tiles, moments: usize) {
-        let (bounds, spreads) = (&mut self.bounds[0], &mut self.spreads[0]);
-        bounds.clear();
-        spreads.clear();
-        for (t, covering) in tiles.covering.iter().enumerate() {
-            let mut of_tile = Bounds::EMPTY;
-            for &f in &tiles.owned[t] {
-                of_tile.join(&self.faces[f as usize]);
-            }
-            bounds.push(of_tile);
-            let gradients = || {
-                covering.iter().flat_map(|&f| {
-                    let first = f as usize * moments;
-                    &self.gradients[first..first + moments]
-                })
-            };
-            let count = (covering.len() * moments) as f64;
-            let sum = gradients().fold([Point::zeros(); 2], |s, g| [s[0] + g[0], s[1] + g[1]]);
-            let mean = sum.map(|s| s / count.max(1.0));
-            let square =
-                |g: &[Point; 2]| (g[0] - mean[0]).norm_squared() + (g[1] - mean[1]).norm_squared();
-            let radius = gradients().map(square).fold(0.0, max).sqrt();
-            spreads.push(tiles.convex[t].then_some(Spread { mean, radius }));
-        }
-        // What covers nothing must not count in a mean.
-        for (spread, covering) in spreads.iter_mut().zip(&tiles.covering) {
-            if let (Some(spread), true) = (spread.as_mut(), covering.is_empty()) {
-                spread.radius = f64::NEG_INFINITY;
-            }
-        }
-    }
-
-    fn coarser(&mut self, tiles: &Tiles, level: usize) {
-        let (fine, coarse) = (tiles.levels[level - 1], tiles.levels[level]);
-        let (below, above) = self.bounds.split_at_mut(level);
-        let (spreads_below, spreads_above) = self.spreads.split_at_mut(level);
-        above[0].clear();
-        spreads_above[0].clear();
-        for t in 0..coarse.len() {
-            let tile = [t % coarse.columns, t / coarse.columns];
-            let mut bounds = Bounds::EMPTY;
-            let mut parts = vec![];
-            let mut convex = true;
-            for child in children(fine, tile) {
-                let child = fine.index(child);
-                bounds.join(&below[level - 1][child]);
-                match spreads_below[level - 1][child] {
-                    Some(spread) if spread.radius >= 0.0 => parts.push(spread),
-                    Some(_) => {}
-                    None => convex = false,
+        for level in 0..levels {
+            let count = tiles.levels[level].len();
+            self.bounds[level].resize(count, Bounds::EMPTY);
+            self.spreads[level].resize(count, None);
+            for t in 0..count {
+                let (bounds, spread) = match level <= tiles.patch_level {
+                    true => wanted(tiles.patch_of_tile(level, t)),
+                    false => (true, true),
+                };
+                match level {
+                    0 if bounds || spread => self.finest(tiles, mesh, moments, (t, spread)),
+                    0 => {}
+                    _ if bounds || spread => self.coarser(tiles, level, t),
+                    _ => {}
                 }
             }
-            above[0].push(bounds);
-            let nothing = Spread {
-                mean: [Point::zeros(); 2],
-                radius: f64::NEG_INFINITY,
-            };
-            let joined = if parts.is_empty() {
-                nothing
-            } else {
-                Spread::join(&parts)
-            };
-            spreads_above[0].push(convex.then_some(joined));
         }
+    }
+
+    fn face(&mut self, tiles: &Tiles, mesh: &Mesh, moments: &[&[Point]], f: usize) {
+        let mut bounds = Bounds::EMPTY;
+        let shape = &tiles.shape[f];
+        for (m, positions) in moments.iter().enumerate() {
+            let [a, b, c] = mesh.faces[f].map(|v| positions[v as usize]);
+            [a, b, c].iter().for_each(|p| bounds.add(p));
+            let (u, v) = (b - a, c - a);
+            self.gradients[f * moments.len() + m] =
+                [0, 1].map(|k| u * shape[1][k] + v * shape[2][k]);
+        }
+        self.faces[f] = bounds;
+        self.laid[f] = true;
+    }
+
+    fn finest(
+        &mut self,
+        tiles: &Tiles,
+        mesh: &Mesh,
+        moments: &[&[Point]],
+        (t, spread): (usize, bool),
+    ) {
+        let covering = &tiles.covering[t];
+        let faces = if spread { covering } else { &tiles.owned[t] };
+        for &f in faces {
+            if !self.laid[f as usize] {
+                self.face(tiles, mesh, moments, f as usize);
+            }
+        }
+        let mut of_tile = Bounds::EMPTY;
+        for &f in &tiles.owned[t] {
+            of_tile.join(&self.faces[f as usize]);
+        }
+        self.bounds[0][t] = of_tile;
+        if !spread {
+            return;
+        }
+        let count = moments.len();
+        let gradients = || {
+            covering.iter().flat_map(|&f| {
+                let first = f as usize * count;
+                &self.gradients[first..first + count]
+            })
+        };
+        let sum = gradients().fold([Point::zeros(); 2], |s, g| [s[0] + g[0], s[1] + g[1]]);
+        let mean = sum.map(|s| s / ((covering.len() * count) as f64).max(1.0));
+        let square =
+            |g: &[Point; 2]| (g[0] - mean[0]).norm_squared() + (g[1] - mean[1]).norm_squared();
+        // What covers nothing must not count in a mean.
+        let radius = match covering.is_empty() {
+            true => f64::NEG_INFINITY,
+            false => gradients().map(square).fold(0.0, max).sqrt(),
+        };
+        self.spreads[0][t] = tiles.convex[t].then_some(Spread { mean, radius });
+    }
+
+    fn coarser(&mut self, tiles: &Tiles, level: usize, t: usize) {
+        let (fine, coarse) = (tiles.levels[level - 1], tiles.levels[level]);
+        let tile = [t % coarse.columns, t / coarse.columns];
+        let mut bounds = Bounds::EMPTY;
+        let mut parts = [Spread::NOTHING; 4];
+        let (mut count, mut convex) = (0, true);
+        for child in children(fine, tile) {
+            let child = fine.index(child);
+            bounds.join(&self.bounds[level - 1][child]);
+            match self.spreads[level - 1][child] {
+                Some(spread) if spread.radius >= 0.0 => {
+                    parts[count] = spread;
+                    count += 1;
+                }
+                Some(_) => {}
+                None => convex = false,
+            }
+        }
+        self.bounds[level][t] = bounds;
+        let joined = match count {
+            0 => Spread::NOTHING,
+            _ => Spread::join(&parts[..count]),
+        };
+        self.spreads[level][t] = convex.then_some(joined);
     }
 
     /// Calls `leaf` with every pair of faces that may come within `reach` of each other, unless they are nearer than
@@ -183,6 +164,25 @@ impl Fit {
     pub fn near_faces(&self, tiles: &Tiles, reach: f64, mut leaf: impl FnMut(u32, u32)) {
         let top = tiles.levels.len() - 1;
         self.visit(tiles, (top, reach, true), [[0, 0]; 2], &mut leaf);
+    }
+
+    /// The same for two tiles of a level alone. Returns how near what it does not call with may be, at least \[m\].
+    pub(super) fn near_faces_of(
+        &self,
+        tiles: &Tiles,
+        (level, two): (usize, [u32; 2]),
+        reach: f64,
+        mut leaf: impl FnMut(u32, u32),
+    ) -> f64 {
+        let grid = tiles.levels[level];
+        let [a, b] = two.map(|t| [t as usize % grid.columns, t as usize / grid.columns]);
+        let [first, second] = two.map(|t| &self.bounds[level][t as usize]);
+        let gap = first.gap(second);
+        if gap >= reach {
+            return gap;
+        }
+        self.visit(tiles, (level, reach, true), [a, b], &mut leaf);
+        reach
     }
 
     fn visit(
@@ -219,10 +219,7 @@ impl Fit {
 
     /// Least stretch over the rectangle that holds two tiles that touch; negative if nothing is known.
     fn least(&self, level: usize, grid: Level, [a, b]: [[usize; 2]; 2]) -> f64 {
-        let mut parts = [Spread {
-            mean: [Point::zeros(); 2],
-            radius: 0.0,
-        }; 4];
+        let mut parts = [Spread::NOTHING; 4];
         let mut count = 0;
         for j in a[1].min(b[1])..=a[1].max(b[1]) {
             for i in a[0].min(b[0])..=a[0].max(b[0]) {

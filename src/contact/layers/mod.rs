@@ -1,14 +1,18 @@
 //! Where the sheet comes near to itself: pairs of a vertex and a face, of two edges.
 //!
-//! [`Tiles`] finds what may be near and skips what provably is not; [`Candidates`] keeps it while little moves;
-//! [`Pair`]s are what is nearer than a reach; [`safe_share`] says how far a motion may go before two parts meet;
-//! [`crossings`] tells exactly whether they have.
+//! [`Tiles`] finds what may be near and skips what provably is not; [`Candidates`] keeps it while patches move little against
+//! each other; [`Pair`]s are what is nearer than a reach; [`safe_share`] says how far a motion may go before two parts
+//! meet; [`crossings`] tells exactly whether they have.
 
+mod bounds;
 mod candidates;
 mod closest;
 mod crossing;
 mod detect;
 mod fit;
+#[cfg(test)]
+mod motion_test;
+mod patches;
 mod sweep;
 #[cfg(test)]
 mod test;

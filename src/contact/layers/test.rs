@@ -10,7 +10,7 @@ use crate::sheet::{Mesh, MeshOptions, Outline, generate};
 
 type Point = Vector3<f64>;
 
-const THICKNESS: f64 = 0.5e-3;
+pub(super) const THICKNESS: f64 = 0.5e-3;
 
 fn mesh(outline: Outline, edge: f64) -> Mesh {
     generate(
@@ -24,13 +24,13 @@ fn mesh(outline: Outline, edge: f64) -> Mesh {
     )
 }
 
-fn square(edge: f64) -> Mesh {
+pub(super) fn square(edge: f64) -> Mesh {
     let (length, width) = (0.06, 0.05);
     mesh(Outline::Rectangle { length, width }, edge)
 }
 
 /// A crumpled place: waves of random direction and phase, of an amplitude \[m\], along the normal and in the plane.
-fn crumple(mesh: &Mesh, amplitude: f64, seed: u64) -> Vec<Point> {
+pub(super) fn crumple(mesh: &Mesh, amplitude: f64, seed: u64) -> Vec<Point> {
     let mut random = Pcg64::seed_from_u64(seed);
     let mut draw = || random.random::<f64>() - 0.5;
     let waves: Vec<(Vector2<f64>, f64, Point)> = (0..12)
@@ -51,7 +51,7 @@ fn crumple(mesh: &Mesh, amplitude: f64, seed: u64) -> Vec<Point> {
 }
 
 /// The sheet folded over a bar of a radius \[m\] along a line askew to the mesh: two layers, twice the radius apart.
-fn folded(mesh: &Mesh, radius: f64) -> Vec<Point> {
+pub(super) fn folded(mesh: &Mesh, radius: f64) -> Vec<Point> {
     let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), 0.7);
     let arc = std::f64::consts::PI * radius;
     let place = |p: &Vector2<f64>| {
@@ -87,7 +87,12 @@ fn states(mesh: &Mesh) -> Vec<(String, Vec<Point>)> {
 }
 
 /// All pairs of features that share no vertex and are not excluded, closer than a reach.
-fn brute(tiles: &Tiles, mesh: &Mesh, positions: &[Point], reach: f64) -> [Vec<[u32; 2]>; 2] {
+pub(super) fn brute(
+    tiles: &Tiles,
+    mesh: &Mesh,
+    positions: &[Point],
+    reach: f64,
+) -> [Vec<[u32; 2]>; 2] {
     let mut found = [vec![], vec![]];
     let counts = [
         (mesh.material.len(), mesh.faces.len()),
@@ -144,7 +149,7 @@ fn no_near_pair_is_missed() {
                 let wanted = brute(&tiles, &mesh, &positions, THICKNESS + margin);
                 assert_eq!(
                     candidates.found(),
-                    &wanted,
+                    wanted,
                     "{name}, margin {margin}, scale {scale}"
                 );
                 touched += candidates.len();

@@ -16,6 +16,8 @@ const SIDE: f64 = 1.7;
 /// Least span over the thickness, and over the mean length of an edge.
 const LEAST_SPAN: f64 = 2.5;
 const SPAN: f64 = 0.8;
+/// Patches at most.
+const MOST_PATCHES: usize = 128;
 
 /// A rectangle of tiles.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +29,17 @@ pub(super) struct Level {
 impl Level {
     pub(super) fn index(self, [i, j]: [usize; 2]) -> usize {
         j * self.columns + i
+    }
+
+    /// The tiles of the rectangle that holds two tiles beside each other; nothing if they are not.
+    pub(super) fn around(self, two: [usize; 2]) -> Option<impl Iterator<Item = usize>> {
+        let [a, b] = two.map(|t| [t % self.columns, t / self.columns]);
+        let beside = a[0].abs_diff(b[0]) <= 1 && a[1].abs_diff(b[1]) <= 1;
+        beside.then(|| {
+            let columns = a[0].min(b[0])..=a[0].max(b[0]);
+            let rows = a[1].min(b[1])..=a[1].max(b[1]);
+            rows.flat_map(move |j| columns.clone().map(move |i| self.index([i, j])))
+        })
     }
 
     pub(super) fn len(self) -> usize {
@@ -49,6 +62,10 @@ pub struct Tiles {
     /// The face that answers for each vertex and edge.
     pub(super) vertex_keeper: Vec<u32>,
     pub(super) edge_keeper: Vec<u32>,
+    /// The level whose tiles are patches, with the vertices of their faces; the patch of each face.
+    pub(super) patch_level: usize,
+    pub(super) patches: Vec<Vec<u32>>,
+    patch_of_face: Vec<u32>,
     /// Faces around each vertex; zero on the boundary.
     stars: Vec<u8>,
     /// Pairs of a vertex and a face, and of two edges, closer than `span` in the flat sheet but for the excluded.
@@ -143,6 +160,9 @@ impl Tiles {
                 rows: below.rows.div_ceil(2),
             });
         }
+        let enough = |level: &Level| level.len() <= MOST_PATCHES;
+        let patch_level = levels.iter().position(enough).unwrap_or_default();
+        let (patches, patch_of_face) = patches(mesh, &levels, patch_level, &owned);
         let (keepers, stars) = (keepers(mesh), stars(mesh));
         let [vertex_keeper, edge_keeper] = keepers;
         Self {
@@ -155,6 +175,9 @@ impl Tiles {
                 .collect(),
             vertex_keeper,
             edge_keeper,
+            patch_level,
+            patches,
+            patch_of_face,
             stars,
             near: Default::default(),
             excluded: Default::default(),
@@ -173,6 +196,22 @@ impl Tiles {
         self.thickness
     }
 
+    /// The patches of a vertex and a face, or of two edges.
+    pub(super) fn patches_of(&self, edges: bool, [first, second]: [u32; 2]) -> [u32; 2] {
+        let faces = match edges {
+            true => [first, second].map(|e| self.edge_keeper[e as usize]),
+            false => [self.vertex_keeper[first as usize], second],
+        };
+        faces.map(|f| self.patch_of_face[f as usize])
+    }
+
+    /// The patch that a tile of a level not above that of the patches lies in.
+    pub(super) fn patch_of_tile(&self, level: usize, tile: usize) -> usize {
+        let (grid, up) = (self.levels[level], self.patch_level - level);
+        let (i, j) = (tile % grid.columns, tile / grid.columns);
+        self.levels[self.patch_level].index([i >> up, j >> up])
+    }
+
     /// How many faces a vertex has around it, all around; none on the boundary.
     pub fn star(&self, vertex: u32) -> usize {
         usize::from(self.stars[vertex as usize])
@@ -183,6 +222,31 @@ impl Tiles {
         let excluded = &self.excluded[usize::from(edges)];
         !excluded.is_empty() && excluded.binary_search(&pair).is_ok()
     }
+}
+
+/// Vertices of the faces of each tile of a level, and the tile of each face.
+fn patches(
+    mesh: &Mesh,
+    levels: &[Level],
+    level: usize,
+    owned: &[Vec<u32>],
+) -> (Vec<Vec<u32>>, Vec<u32>) {
+    let (finest, grid) = (levels[0], levels[level]);
+    let mut patches = vec![vec![]; grid.len()];
+    let mut of_face = vec![0; mesh.faces.len()];
+    for (tile, faces) in owned.iter().enumerate() {
+        let (i, j) = (tile % finest.columns, tile / finest.columns);
+        let patch = grid.index([i >> level, j >> level]);
+        for &f in faces {
+            of_face[f as usize] = patch as u32;
+            patches[patch].extend(mesh.faces[f as usize]);
+        }
+    }
+    for patch in &mut patches {
+        patch.sort_unstable();
+        patch.dedup();
+    }
+    (patches, of_face)
 }
 
 fn keepers(mesh: &Mesh) -> [Vec<u32>; 2] {

@@ -7,6 +7,10 @@
 //! in its half-step velocity form, which gives the same positions. Slopes get a rotary inertia J just large enough
 //! that they do not lower the stable limit, and never above what nothing notices, so they follow the positions.
 
+mod last;
+
+pub use last::Loads;
+
 use nalgebra::{Matrix3, Vector3};
 
 use super::folds::Folds;
@@ -20,7 +24,6 @@ use super::stable::{
 use crate::contact::{Nearby, Obstacle};
 use crate::math::sparse::NO_SLOT;
 use crate::physics::Potential;
-use crate::physics::contact::ContactLaw;
 use crate::physics::drag::Drag;
 use crate::sim::air::{Breeze, resistances};
 use crate::sim::kernel::Kernel;
@@ -51,6 +54,8 @@ pub struct Explicit {
     /// Positions \[m\], up to date at the vertices of `nearby`, shape \[vertices\].
     positions: Vec<Vector3<f64>>,
     touch: Touch,
+    /// Velocities of the touching points in the half step before \[m/s\].
+    motions: Vec<Vector3<f64>>,
     folds: Folds,
     haste: f64,
 }
@@ -78,6 +83,7 @@ impl Explicit {
             allowance: 0.0,
             positions: nodes[..vertices].to_vec(),
             touch: Touch::default(),
+            motions: vec![],
             folds: Folds::default(),
             haste: 0.0,
         }
@@ -172,6 +178,7 @@ impl Explicit {
                 let motion = (time, fastest, dt);
                 self.contact(model, state, &nodes, motion, &mut forces);
                 self.hurry(model, state, &rates, dt);
+                impulse::motions(model, &self.touch, &rates, &mut self.motions);
             }
             if let Some(law) = &model.layers {
                 let step = (dt, &self.inverse_mass[..]);
@@ -196,15 +203,13 @@ impl Explicit {
             }
             if let Some(law) = &model.contact {
                 let masses = &self.inverse_mass;
-                let taken = brake(model, law, &self.touch, masses, &nodes, &mut rates, dt);
-                state.ledger.friction += taken.friction;
-                state.ledger.damping += taken.contact;
-                state.ledger.supports += taken.work;
+                let touch = (&self.touch, &self.motions[..]);
+                let taken = brake(model, law, touch, masses, &nodes, &mut rates, dt);
+                taken.book(&mut state.ledger);
             }
             if let Some(law) = &model.layers {
-                let rubbed = self.folds.rub(law, &self.inverse_mass, &mut rates, dt);
-                state.ledger.friction += rubbed.friction;
-                state.ledger.damping += rubbed.contact;
+                let taken = self.folds.rub(law, &self.inverse_mass, &mut rates, dt);
+                taken.book(&mut state.ledger);
             }
         }
         for n in vertices..nodes.len() {
@@ -231,41 +236,6 @@ impl Explicit {
         rest_supports(model, state);
         state.ledger.supports += model.held_kinetic(state);
         (self.touch.clone(), self.haste)
-    }
-
-    /// Normal force and friction \[N\] of each contact in the last substep, by key: the state holds the half-step
-    /// velocities around its end, so the substep can be taken once more.
-    pub fn loads(
-        &self,
-        model: &Model,
-        law: &ContactLaw,
-        state: &State,
-        touch: &Touch,
-        dt: f64,
-    ) -> Vec<(u64, f64, Vector3<f64>)> {
-        let nodes: Vec<Lanes> = state.nodes().iter().map(lanes).collect();
-        let past = &state.history.accelerations;
-        let accelerations = past.iter().map(lanes).chain(std::iter::repeat([0.0; 4]));
-        let mut rates: Vec<Lanes> = (state.velocities.iter())
-            .zip(accelerations)
-            .map(|(v, a)| add(lanes(v), scale(a, -0.5 * dt)))
-            .collect();
-        let mut forces = self.weight.clone();
-        forces.resize(nodes.len(), [0.0; 4]);
-        self.kernel.add_forces(&nodes, &mut forces);
-        for (v, push) in touch.pushes(model, law, &state.positions) {
-            forces[v as usize] = add(forces[v as usize], lanes(&push));
-        }
-        match Breeze::of(model, state) {
-            None => {
-                self.kick(model, &mut rates, &forces, dt);
-            }
-            Some(breeze) => {
-                self.kick_in_air(&breeze.at(0.0), &nodes, &mut rates, &forces, dt);
-            }
-        }
-        let masses = &self.inverse_mass;
-        impulse::loads(model, law, touch, masses, &nodes, &mut rates, dt)
     }
 
     /// Takes the vertices' rates from one half step to the next. Returns what damping took out \[J\].

@@ -7,6 +7,7 @@
 
 use nalgebra::Vector3;
 
+use super::impulse::Taken;
 use crate::contact::layers::{Candidates, Pair};
 use crate::physics::layers::LayerLaw;
 use crate::sim::lanes::{Lanes, add, lanes, scale, vector};
@@ -41,13 +42,6 @@ pub struct Folds {
     work: Work,
 }
 
-/// Energy taken out in a substep \[J\].
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Rubbed {
-    pub contact: f64,
-    pub friction: f64,
-}
-
 impl Folds {
     /// A substep that layers will bear, likely: no longer than `wanted` for a sheet whose own limit is given \[s\].
     pub fn substep(
@@ -65,6 +59,10 @@ impl Folds {
             return wanted;
         }
         let rate = self.stiffest(law, inverse_mass);
+        // Layers that do not touch change nothing, not a bit.
+        if rate == 0.0 {
+            return wanted;
+        }
         let own = (2.0 / limit).powi(2);
         wanted.min(2.0 / (own / ROOM.powi(2) + GROWTH * rate).sqrt())
     }
@@ -156,15 +154,25 @@ impl Folds {
             let thickness = tiles.thickness();
             let most = MOST_REACH * tiles.span() - thickness;
             let margin = (LASTING * approach).clamp(LEAST_MARGIN * thickness, most);
-            self.candidates
-                .collect(tiles, mesh, &self.positions, margin);
-            self.collected = true;
-            self.work.layer_searches += 1;
-            self.work.layer_pairs += self.candidates.len() as u64;
+            self.collect(model, margin);
         }
         let positions = &self.positions;
         self.candidates
             .pairs(tiles, mesh, positions, &mut self.pairs);
+    }
+
+    fn collect(&mut self, model: &Model, margin: f64) {
+        let (tiles, mesh, positions) = (&model.tiles, &model.mesh, &self.positions);
+        let found = match self.collected {
+            true => self.candidates.renew(tiles, mesh, positions, margin),
+            false => {
+                self.candidates.collect(tiles, mesh, positions, margin);
+                Some(self.candidates.len())
+            }
+        };
+        self.collected = true;
+        self.work.layer_searches += u64::from(found.is_some());
+        self.work.layer_pairs += found.unwrap_or_default() as u64;
     }
 
     /// Takes bouncing and slip out of `rates` over a substep of `dt`.
@@ -174,29 +182,55 @@ impl Folds {
         inverse_mass: &[Lanes],
         rates: &mut [Lanes],
         dt: f64,
-    ) -> Rubbed {
-        let pairs = self.pairs.iter().zip(&self.motions);
-        let mut grips: Vec<Grip> = pairs
-            .filter_map(|(pair, before)| Grip::new(law, pair, *before, (inverse_mass, dt)))
-            .collect();
-        for grip in &mut grips {
-            grip.soften(inverse_mass, rates);
+    ) -> Taken {
+        let mut grips = grips(law, &self.pairs, (inverse_mass, dt));
+        settle(&mut grips, law.friction, inverse_mass, rates);
+        // An impulse works on the mean of the half-step velocities before and after all impulses of the substep.
+        let mut taken = Taken::default();
+        for grip in &grips {
+            let mean = (self.motions[grip.at] + motion(grip.pair, rates)) * 0.5;
+            taken.contact -= grip.braked * grip.pair.normal.dot(&mean);
+            taken.friction -= grip.impulse.dot(&mean);
         }
-        if law.friction > 0.0 {
-            for _ in 0..SWEEPS {
-                for grip in &mut grips {
-                    grip.tighten(law.friction, inverse_mass, rates);
-                }
+        taken
+    }
+}
+
+/// Normal force and friction on the first feature \[N\] of each pair in such a substep.
+pub fn loads(
+    law: &LayerLaw,
+    pairs: &[Pair],
+    inverse_mass: &[Lanes],
+    rates: &mut [Lanes],
+    dt: f64,
+) -> Vec<(f64, Vector3<f64>)> {
+    let mut grips = grips(law, pairs, (inverse_mass, dt));
+    settle(&mut grips, law.friction, inverse_mass, rates);
+    let pressed = |pair: &Pair| (law.normal_force(pair), Vector3::zeros());
+    let mut loads: Vec<_> = pairs.iter().map(pressed).collect();
+    for grip in &grips {
+        loads[grip.at] = (grip.load / dt, grip.impulse / dt);
+    }
+    loads
+}
+
+fn grips<'a>(law: &LayerLaw, pairs: &'a [Pair], substep: (&[Lanes], f64)) -> Vec<Grip<'a>> {
+    let pairs = pairs.iter().enumerate();
+    pairs
+        .filter_map(|(at, pair)| Grip::new(law, (at, pair), substep))
+        .collect()
+}
+
+fn settle(grips: &mut [Grip], friction: f64, inverse_mass: &[Lanes], rates: &mut [Lanes]) {
+    for grip in &mut *grips {
+        grip.soften(inverse_mass, rates);
+    }
+    if friction > 0.0 {
+        for _ in 0..SWEEPS {
+            for grip in &mut *grips {
+                grip.tighten(friction, inverse_mass, rates);
             }
         }
-        // An impulse works on the mean of the half-step velocities before and after all impulses of the substep.
-        let mut rubbed = Rubbed::default();
-        for grip in &grips {
-            let mean = (grip.before + motion(grip.pair, rates)) * 0.5;
-            rubbed.contact -= grip.braked * grip.pair.normal.dot(&mean);
-            rubbed.friction -= grip.impulse.dot(&mean);
-        }
-        rubbed
     }
 }
 
@@ -231,8 +265,8 @@ struct Grip<'a> {
     braked: f64,
     /// Of friction \[N·s\].
     impulse: Vector3<f64>,
-    /// How fast the pair's offset changed in the half step before \[m/s\].
-    before: Vector3<f64>,
+    /// Place of the pair in its list.
+    at: usize,
 }
 
 /// How fast a pair's offset changes \[m/s\].
@@ -244,8 +278,7 @@ fn motion(pair: &Pair, rates: &[Lanes]) -> Vector3<f64> {
 impl<'a> Grip<'a> {
     fn new(
         law: &LayerLaw,
-        pair: &'a Pair,
-        before: Vector3<f64>,
+        (at, pair): (usize, &'a Pair),
         (inverse_mass, dt): (&[Lanes], f64),
     ) -> Option<Self> {
         let ends = pair.nodes.iter().zip(pair.weights);
@@ -260,7 +293,7 @@ impl<'a> Grip<'a> {
             damping: 2.0 * (pair.share * psi[2] / lightness).sqrt() * dt,
             braked: 0.0,
             impulse: Vector3::zeros(),
-            before,
+            at,
         })
     }
 

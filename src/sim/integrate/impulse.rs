@@ -12,9 +12,10 @@
 
 use nalgebra::Vector3;
 
-use crate::physics::contact::ContactLaw;
+use crate::physics::contact::{ContactLaw, weighted};
 use crate::sim::lanes::{Lanes, add, lanes, vector};
 use crate::sim::model::Model;
+use crate::sim::state::Ledger;
 use crate::sim::touch::{SLOW, Touch};
 
 /// Sweeps of friction over all contacts; one settles contacts that share no vertex.
@@ -29,6 +30,15 @@ pub struct Taken {
     pub friction: f64,
     /// Put in by obstacles that move, against both \[J\].
     pub work: f64,
+}
+
+impl Taken {
+    /// Enters it in a ledger.
+    pub fn book(self, ledger: &mut Ledger) {
+        ledger.friction += self.friction;
+        ledger.damping += self.contact;
+        ledger.supports += self.work;
+    }
 }
 
 /// A contact as the sweep needs it.
@@ -55,20 +65,42 @@ struct Grip {
     braked: f64,
     /// Of friction \[N·s\].
     impulse: Vector3<f64>,
+    /// Place of the proximity in its list.
+    at: usize,
 }
 
-/// Brakes `rates` in contact over a substep of `dt`.
+/// Velocities of the touching points \[m/s\], in the order of the proximities.
+pub fn motions(model: &Model, touch: &Touch, rates: &[Lanes], motions: &mut Vec<Vector3<f64>>) {
+    motions.clear();
+    motions.extend(touch.proximities.iter().map(|near| {
+        let face = &model.mesh.faces[near.face as usize];
+        weighted(&near.weights, &face.map(|v| vector(&rates[v as usize])))
+    }));
+}
+
+/// Brakes `rates` in contact over a substep of `dt`; `before` has the [`motions`] of the half step before.
+///
+/// An impulse works on the mean of the half-step velocities before and after all impulses of the substep, those of
+/// the elastic forces too. With the velocity after them, weight would do work on friction where nothing moves.
 pub fn brake(
     model: &Model,
     law: &ContactLaw,
-    touch: &Touch,
+    (touch, before): (&Touch, &[Vector3<f64>]),
     inverse_mass: &[Lanes],
     nodes: &[Lanes],
     rates: &mut [Lanes],
     dt: f64,
 ) -> Taken {
     let mut grips = grips(model, law, touch, inverse_mass, nodes, dt);
-    settle(&mut grips, inverse_mass, rates)
+    settle(&mut grips, inverse_mass, rates);
+    let mut taken = Taken::default();
+    for grip in &grips {
+        let mean = (before[grip.at] - grip.ground + grip.motion(rates)) * 0.5;
+        taken.contact -= grip.braked * grip.normal.dot(&mean);
+        taken.friction -= grip.impulse.dot(&mean);
+        taken.work += grip.ground.dot(&(grip.impulse + grip.normal * grip.braked));
+    }
+    taken
 }
 
 /// Normal force and friction \[N\] of each contact that has them in such a substep.
@@ -89,14 +121,13 @@ pub fn loads(
         .collect()
 }
 
-fn settle(grips: &mut [Grip], inverse_mass: &[Lanes], rates: &mut [Lanes]) -> Taken {
-    let mut taken = Taken::default();
+fn settle(grips: &mut [Grip], inverse_mass: &[Lanes], rates: &mut [Lanes]) {
     for grip in &mut *grips {
-        taken.contact += grip.soften(inverse_mass, rates);
+        grip.soften(inverse_mass, rates);
     }
     for _ in 0..SWEEPS {
         for grip in grips.iter_mut().filter(|grip| grip.deep) {
-            taken.contact += grip.stop(inverse_mass, rates);
+            grip.stop(inverse_mass, rates);
         }
     }
     for grip in grips
@@ -109,12 +140,9 @@ fn settle(grips: &mut [Grip], inverse_mass: &[Lanes], rates: &mut [Lanes]) -> Ta
     }
     for _ in 0..SWEEPS {
         for grip in grips.iter_mut().filter(|grip| grip.friction > 0.0) {
-            taken.friction += grip.tighten(inverse_mass, rates);
+            grip.tighten(inverse_mass, rates);
         }
     }
-    let work = |grip: &Grip| grip.ground.dot(&(grip.impulse + grip.normal * grip.braked));
-    taken.work = grips.iter().map(work).sum();
-    taken
 }
 
 fn grips(
@@ -126,7 +154,7 @@ fn grips(
     dt: f64,
 ) -> Vec<Grip> {
     let mut grips = Vec::with_capacity(touch.proximities.len());
-    for near in &touch.proximities {
+    for (n, near) in touch.proximities.iter().enumerate() {
         let obstacle = &touch.obstacles[near.obstacle as usize];
         let vertices = model.mesh.faces[near.face as usize];
         let at: Vector3<f64> = (0..3)
@@ -155,6 +183,7 @@ fn grips(
             deep: law.offset - near.distance.value > law.limit(),
             braked: 0.0,
             impulse: Vector3::zeros(),
+            at: n,
         });
     }
     grips
@@ -188,34 +217,30 @@ impl Grip {
         }
     }
 
-    /// Damps the normal velocity, implicitly, without pulling; the load changes with it. Returns the energy taken
-    /// out \[J\].
-    fn soften(&mut self, inverse_mass: &[Lanes], rates: &mut [Lanes]) -> f64 {
+    /// Damps the normal velocity, implicitly, without pulling; the load changes with it.
+    fn soften(&mut self, inverse_mass: &[Lanes], rates: &mut [Lanes]) {
         let speed = self.normal.dot(&self.motion(rates));
         let wanted = -self.damping * speed / (1.0 + self.damping * self.lightness);
         let impulse = wanted.max(-self.load);
         self.load += impulse;
         self.braked = impulse;
         self.push(&(self.normal * impulse), inverse_mass, rates);
-        -impulse * (speed + 0.5 * impulse * self.lightness)
     }
 
-    /// Keeps a deep contact from going deeper; returns the energy taken out \[J\].
-    fn stop(&mut self, inverse_mass: &[Lanes], rates: &mut [Lanes]) -> f64 {
+    /// Keeps a deep contact from going deeper.
+    fn stop(&mut self, inverse_mass: &[Lanes], rates: &mut [Lanes]) {
         let speed = self.normal.dot(&self.motion(rates));
         if speed >= 0.0 {
-            return 0.0;
+            return;
         }
         let impulse = -speed / self.lightness;
         self.load += impulse;
         self.braked += impulse;
         self.push(&(self.normal * impulse), inverse_mass, rates);
-        -0.5 * impulse * speed
     }
 
-    /// Changes the impulse towards no slip within the cone, and the velocities with it; returns the energy that
-    /// the change takes out of the slip \[J\].
-    fn tighten(&mut self, inverse_mass: &[Lanes], rates: &mut [Lanes]) -> f64 {
+    /// Changes the impulse towards no slip within the cone, and the velocities with it.
+    fn tighten(&mut self, inverse_mass: &[Lanes], rates: &mut [Lanes]) {
         let slip = self.slip(rates);
         let limit = self.friction * self.load;
         let mut impulse = self.impulse - slip / self.lightness;
@@ -226,6 +251,5 @@ impl Grip {
         let change = impulse - self.impulse;
         self.impulse = impulse;
         self.push(&change, inverse_mass, rates);
-        -0.5 * change.dot(&(slip + self.slip(rates)))
     }
 }

@@ -1,0 +1,154 @@
+//! Patches of the sheet, and how near two of them may have come since they were searched.
+//!
+//! What was at least a distance apart stays so but for the motion of one patch against the other, which is at most that
+//! of their means and the farthest departures from these. Most patches move along with those that are near them; where
+//! two do not, they alone are searched again.
+
+use nalgebra::Vector3;
+
+use super::tiles::Tiles;
+
+type Point = Vector3<f64>;
+
+/// Searches that are remembered at a time; with one more, what is left of the oldest is searched again.
+const MOST_BASES: usize = 16;
+
+/// Two patches, the smaller first.
+pub(super) type Two = [u32; 2];
+
+/// What a search has left between two patches.
+#[derive(Clone, Copy, Debug)]
+struct Room {
+    /// In which search.
+    base: u32,
+    /// How much nearer they may come before something unseen may touch \[m\].
+    size: f64,
+}
+
+/// Room between all patches.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Rooms {
+    /// Where the sheet was in the searches.
+    bases: Vec<Vec<Point>>,
+    rooms: Vec<Room>,
+    stale: Vec<bool>,
+    motions: Vec<(Point, f64)>,
+}
+
+/// Place of a pair of patches in a list of all.
+fn number([a, b]: Two) -> usize {
+    let (a, b) = (a.min(b) as usize, a.max(b) as usize);
+    b * (b + 1) / 2 + a
+}
+
+impl Rooms {
+    /// Forgets all searches; everything is to be searched at `positions`.
+    pub fn reset(&mut self, tiles: &Tiles, positions: &[Point]) {
+        let count = tiles.patches.len();
+        self.bases.truncate(1);
+        self.bases.resize(1, vec![]);
+        positions.clone_into(&mut self.bases[0]);
+        let nothing = Room { base: 0, size: 0.0 };
+        self.rooms.clear();
+        self.rooms.resize(count * (count + 1) / 2, nothing);
+        self.stale.clear();
+        self.stale.resize(self.rooms.len(), true);
+    }
+
+    /// Finds which patches have, at `positions`, less room than `wanted` left, and have to be searched again there.
+    /// Returns how many, and the least room of the others \[m\].
+    pub fn judge(&mut self, tiles: &Tiles, positions: &[Point], wanted: f64) -> (usize, f64) {
+        self.move_all(tiles, positions);
+        let full = self.bases.len() == MOST_BASES;
+        let patches = tiles.patches.len();
+        let (mut count, mut least) = (0, f64::INFINITY);
+        let mut n = 0;
+        for b in 0..patches {
+            for a in 0..=b {
+                let room = self.rooms[n];
+                let motions = &self.motions[room.base as usize * patches..];
+                let ((mean, radius), (other, reach)) = (motions[a], motions[b]);
+                let left = room.size - (mean - other).norm() - radius - reach;
+                // What is not a number is stale, too.
+                let enough = left >= wanted && !(full && room.base == 0);
+                self.stale[n] = !enough;
+                count += usize::from(!enough);
+                least = if enough && left < least { left } else { least };
+                n += 1;
+            }
+        }
+        (count, least)
+    }
+
+    /// Begins another search at `positions`, of what is stale.
+    pub fn begin(&mut self, positions: &[Point]) {
+        if self.bases.len() == MOST_BASES {
+            self.bases.remove(0);
+            let rooms = self.rooms.iter_mut();
+            rooms.for_each(|room| room.base = room.base.saturating_sub(1));
+        }
+        self.bases.push(positions.to_vec());
+    }
+
+    /// Whether two patches have to be searched.
+    pub fn is_stale(&self, two: Two) -> bool {
+        self.stale[number(two)]
+    }
+
+    /// Which patches have to be searched with some other or with themselves; and between which of them, those beside
+    /// each other, tiles touch.
+    pub fn stale_patches(&self, tiles: &Tiles) -> [Vec<bool>; 2] {
+        let grid = tiles.levels[tiles.patch_level];
+        let (mut all, mut touching) = (vec![false; grid.len()], vec![false; grid.len()]);
+        let mut n = 0;
+        for b in 0..grid.len() {
+            for a in 0..=b {
+                if self.stale[n] {
+                    (all[a], all[b]) = (true, true);
+                    let around = grid.around([a, b]).into_iter().flatten();
+                    around.for_each(|t| touching[t] = true);
+                }
+                n += 1;
+            }
+        }
+        [all, touching]
+    }
+
+    /// Enters what the newest search has left between two patches \[m\].
+    pub fn enter(&mut self, two: Two, size: f64) {
+        let base = self.bases.len() as u32 - 1;
+        self.rooms[number(two)] = Room { base, size };
+    }
+
+    /// Mean motion of patches since the searches that left them room, and the farthest departure from it \[m\].
+    fn move_all(&mut self, tiles: &Tiles, positions: &[Point]) {
+        let patches = tiles.patches.len();
+        let mut needed = vec![false; self.bases.len() * patches];
+        let mut n = 0;
+        for b in 0..patches {
+            for a in 0..=b {
+                let first = self.rooms[n].base as usize * patches;
+                (needed[first + a], needed[first + b]) = (true, true);
+                n += 1;
+            }
+        }
+        self.motions.clear();
+        for (n, needed) in needed.into_iter().enumerate() {
+            let base = &self.bases[n / patches];
+            self.motions.push(match needed {
+                true => motion(&tiles.patches[n % patches], base, positions),
+                false => (Point::zeros(), 0.0),
+            });
+        }
+    }
+}
+
+fn motion(patch: &[u32], from: &[Point], to: &[Point]) -> (Point, f64) {
+    let moved = |v: u32| to[v as usize] - from[v as usize];
+    let sum: Point = patch.iter().map(|&v| moved(v)).sum();
+    let mean = sum / patch.len().max(1) as f64;
+    let away = patch.iter().map(|&v| (moved(v) - mean).norm_squared());
+    // `f64::max` would pass over what is not a number.
+    let most = away.fold(0.0, |most: f64, a| if a <= most { most } else { a });
+    (mean, most.sqrt())
+}
