@@ -86,6 +86,7 @@ fn worth(bar: &Bar, before: Option<f64>) -> String {
     let cost = short(bar.cpu_rate);
     match before.map(|before| before / bar.cpu_rate) {
         None => cost,
+        Some(factor) if factor < 1.0 => format!("{cost}  (x {})", short(1.0 / factor)),
         Some(factor) => format!("{cost}  (1/{})", short(factor)),
     }
 }
