@@ -1,7 +1,9 @@
 //! What each economy saves on a scene: the dearest way first, then one economy more at a time.
 
 use super::course::CpuClock;
-use super::plan::{Ended, PlanError, Tolerance, apart, at, meshes, moment, run, triangles};
+use super::plan::{
+    Ended, PlanError, Tolerance, apart, at, meshes, moment, run, run_to_end, triangles,
+};
 use crate::scene::{Method, Scene, Scheme, SleepSpec, Solver};
 
 /// Longest implicit step \[s\].
@@ -35,12 +37,6 @@ pub fn waterfall(
     cpu: &mut CpuClock,
     tell: &mut dyn FnMut(&str),
 ) -> Result<Vec<Bar>, PlanError> {
-    if scene.observe.is_empty() {
-        return Err(PlanError::NothingObserved(scene.name.clone()));
-    }
-    if scene.method.scheme == Scheme::Equilibrium {
-        return Err(PlanError::NoTime(scene.name.clone()));
-    }
     let asked = triangles(scene);
     let (levels, _) = meshes(scene, (tolerance, budget), cpu, tell)?;
     let enough = levels.last().map_or(asked, |level| level.tried.triangles);
@@ -48,10 +44,7 @@ pub fn waterfall(
     let step = moment(scene) / (moment(scene) / STEP).ceil();
     tell("the reference");
     let finest = at(scene, explicit, moment(scene), 2 * asked.max(enough));
-    let truth = run(&finest, f64::INFINITY, cpu).map_err(|ended| match ended {
-        Ended::Died(message) => PlanError::Died(message),
-        Ended::TooDear(..) => PlanError::Died("the reference was stopped".to_string()),
-    })?;
+    let truth = run_to_end(&finest, cpu)?;
     let constant = Method {
         scheme: Scheme::Bdf2,
         solver: Solver::QuasiNewton,

@@ -49,7 +49,8 @@ struct WorkPrecisionArgs {
     /// Directory of the charts and their CSV; what is in the CSV already is not run again.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// CPU seconds that a run may cost; a dearer one is left and drawn where it was. References have no limit.
+    /// CPU seconds that a run may cost; a dearer one is left, drawn where it was, and not taken up again unless its row
+    /// is deleted. References have no limit.
     #[arg(long, value_name = "S", default_value = "60", value_parser = budget)]
     budget: f64,
 }

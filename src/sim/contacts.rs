@@ -5,11 +5,10 @@ use std::collections::BTreeMap;
 use nalgebra::Vector3;
 
 use super::assembly::pick;
-use super::integrate::explicit::Loads;
+use super::integrate::explicit::Explicit;
 use super::layers::LayerTouch;
 use super::simulation::{Engine, Simulation};
 use super::touch::Touch;
-use crate::contact::layers::Pair;
 use crate::contact::{Proximity, with_obstacle};
 use crate::physics::Potential;
 use crate::physics::contact::{ContactLaw, weighted};
@@ -80,20 +79,21 @@ impl Simulation {
         touch.proximities.iter().map(contact).collect()
     }
 
-    /// Loads of what touches in the last substep of the explicit scheme.
-    pub(super) fn last_substep(&self, touch: &Touch, pairs: &[Pair]) -> Option<Loads> {
+    /// The explicit scheme, if that is the method, with the length of its last substep \[s\].
+    pub(super) fn last_substep(&self) -> Option<(&Explicit, f64)> {
         let Engine::Explicit(explicit, substep) = &self.engine else {
             return None;
         };
         let last = self.state.history.dt;
-        let dt = if last > 0.0 { last } else { *substep };
-        Some(explicit.loads(&self.model, &self.state, (touch, pairs), dt))
+        Some((explicit, if last > 0.0 { last } else { *substep }))
     }
 
     /// Normal force and friction by key where they are not the contact law's alone \[N\].
     fn loads(&self, law: &ContactLaw, touch: &Touch) -> BTreeMap<u64, (f64, Vector3<f64>)> {
         let (model, state) = (&self.model, &self.state);
-        if let Some(loads) = self.last_substep(touch, &LayerTouch::of(model, state).pairs) {
+        if let Some((explicit, dt)) = self.last_substep() {
+            let pairs = LayerTouch::of(model, state).pairs;
+            let loads = explicit.loads(model, state, (touch, &pairs), dt);
             let loads = loads.obstacles.into_iter();
             return loads.map(|(key, n, f)| (key, (n, f))).collect();
         }

@@ -61,8 +61,11 @@ impl Simulation {
     /// Normal force and friction on the first feature of each pair \[N\].
     fn layer_loads(&self, law: &LayerLaw, layers: &LayerTouch) -> Vec<(f64, Vector3<f64>)> {
         let (model, state) = (&self.model, &self.state);
-        if let Some(loads) = self.last_substep(&Touch::of(model, state, None), &layers.pairs) {
-            return loads.layers;
+        if let Some((explicit, dt)) = self.last_substep() {
+            let touch = Touch::of(model, state, None);
+            return explicit
+                .loads(model, state, (&touch, &layers.pairs), dt)
+                .layers;
         }
         let friction = LayerFriction {
             bonds: &layers.bonds,

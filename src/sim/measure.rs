@@ -53,7 +53,8 @@ pub fn measure(model: &Model, state: &State, touch: &Touch, report: &mut StepRep
     report.digest = state.digest();
 }
 
-fn kinetic(model: &Model, state: &State) -> f64 {
+/// Kinetic energy of the vertices \[J\].
+pub fn kinetic(model: &Model, state: &State) -> f64 {
     let energy = |(m, v): (&f64, &nalgebra::Vector3<f64>)| 0.5 * m * v.norm_squared();
     model.masses.iter().zip(&state.velocities).map(energy).sum()
 }

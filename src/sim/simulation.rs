@@ -158,9 +158,9 @@ impl Simulation {
         sleep::sleep(&self.model, &mut self.state);
         if !self.asleep {
             self.look();
+            self.report.work = Work::default();
             self.asleep = true;
         }
-        self.report.work = Work::default();
         self.report.step = self.state.step;
         self.report.time = self.state.step as f64 * self.report.dt;
         self.report.digest = self.state.digest();

@@ -6,6 +6,8 @@
 
 use nalgebra::Vector3;
 
+use super::carry::Prescribed;
+use super::measure;
 use super::model::Model;
 use super::simulation::Engine;
 use super::state::State;
@@ -39,7 +41,7 @@ fn still(model: &Model, state: &State) -> bool {
     let mut obstacles = state.obstacles.clone();
     model.move_obstacles(&mut obstacles, time, dt);
     let vertices = state.positions.len();
-    let stands = |held: super::carry::Prescribed| {
+    let stands = |held: Prescribed| {
         let value = match held.node.checked_sub(vertices) {
             None => state.positions[held.node],
             Some(edge) => state.slopes[edge],
@@ -62,9 +64,7 @@ fn still(model: &Model, state: &State) -> bool {
 
 /// Takes the state over a step that it sleeps through. What was left of its motion counts as damped.
 pub fn sleep(model: &Model, state: &mut State) {
-    let energy = |(m, v): (&f64, &Vector3<f64>)| 0.5 * m * v.norm_squared();
-    let kinetic = model.masses.iter().zip(&state.velocities).map(energy);
-    state.ledger.damping += kinetic.sum::<f64>();
+    state.ledger.damping += measure::kinetic(model, state);
     state.velocities.fill(Vector3::zeros());
     state.slope_rates.fill(Vector3::zeros());
     state.history.velocities.fill(Vector3::zeros());

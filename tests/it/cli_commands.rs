@@ -131,6 +131,20 @@ fn messages_are_composed_from_their_fields() {
     );
 }
 
+/// The drape as a session that waits for steps, recorded in `a.mcap`.
+#[cfg(feature = "iceoryx2")]
+fn lockstep(dir: &TempDir, name: &str) -> std::process::Child {
+    let run = [
+        "-o", "a.mcap", "--shm", "--pace", "lockstep", "--name", name,
+    ];
+    let mut child = crate::cli::command(dir.path(), &[&DRAPE[..], &run].concat());
+    child
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
 /// Waits until the first state of a run is there.
 #[cfg(feature = "iceoryx2")]
 fn wait_for_run(dir: &TempDir, name: &str) {
@@ -145,15 +159,7 @@ fn wait_for_run(dir: &TempDir, name: &str) {
 fn a_session_with_live_commands_replays() {
     let dir = TempDir::new().unwrap();
     let name = format!("session-{}", std::process::id());
-    let run = [
-        "-o", "a.mcap", "--shm", "--pace", "lockstep", "--name", &name,
-    ];
-    let mut child = crate::cli::command(dir.path(), &[&DRAPE[..], &run].concat());
-    let child = child
-        .stdout(std::process::Stdio::piped())
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
+    let child = lockstep(&dir, &name);
     let send = |args: &[&str]| {
         let output = toile(
             dir.path(),
@@ -200,15 +206,7 @@ fn a_mesh_is_sent_from_a_file() {
     std::fs::write(dir.path().join("broken.obj"), "v 0 0 0\nf 1 2 3\n").unwrap();
     std::fs::write(dir.path().join("empty.stl"), "solid\nendsolid\n").unwrap();
     let name = format!("mesh-{}", std::process::id());
-    let run = [
-        "-o", "a.mcap", "--shm", "--pace", "lockstep", "--name", &name,
-    ];
-    let mut child = crate::cli::command(dir.path(), &[&DRAPE[..], &run].concat());
-    let child = child
-        .stdout(std::process::Stdio::piped())
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
+    let child = lockstep(&dir, &name);
     wait_for_run(&dir, &name);
     let send = |args: &[&str]| {
         let rest = ["--name", &name, "--timeout", "60"];

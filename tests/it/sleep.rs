@@ -1,7 +1,7 @@
 //! A sheet at rest sleeps: it costs nothing, stays within its limits, and wakes at whatever moves, with the same bits.
 
 use nalgebra::Vector3;
-use toile::scene::Scheme;
+use toile::scene::{Override, Scheme, library, parse};
 use toile::sim::{Command, Simulation, Work};
 
 use crate::air::wind;
@@ -178,4 +178,24 @@ fn sleep_resumes_with_the_same_bits() {
             }
         }
     }
+}
+
+/// Methods that know no accelerations refuse the table, and values name their range.
+#[test]
+fn sleep_is_refused_where_it_cannot_be() {
+    let refused = |name: &str, set: &[&str]| {
+        let set: Vec<_> = set.iter().map(|s| Override::parse(s).unwrap()).collect();
+        let text = library::text(name).unwrap();
+        parse(text, &set).unwrap_err().to_string()
+    };
+    let message = refused("four-edges", &[SLEEP, "method.scheme=equilibrium"]);
+    assert!(
+        message.contains("sleep") && message.contains("equilibrium"),
+        "{message}"
+    );
+    let message = refused("four-edges", &["sleep={ speed = 2.0 }"]);
+    assert!(
+        message.contains("sleep.speed") && message.contains("1 m/s"),
+        "{message}"
+    );
 }

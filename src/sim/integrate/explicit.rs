@@ -5,11 +5,10 @@
 //! ```
 //!
 //! in its half-step velocity form, which gives the same positions. Slopes get a rotary inertia J just large enough
-//! that they do not lower the stable limit, and never above what nothing notices, so they follow the positions.
+//! that they do not lower the stable limit, and never above what nothing notices or a solid sheet has, so they follow the
+//! positions.
 
 mod last;
-
-pub use last::Loads;
 
 use nalgebra::{Matrix3, Vector3};
 
