@@ -35,6 +35,7 @@ mod state;
 mod step;
 mod touch;
 mod travel;
+mod wide;
 
 pub use air::Air;
 pub use assembly::Assembly;
