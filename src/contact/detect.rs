@@ -9,8 +9,9 @@ use nalgebra::Vector3;
 use super::distance::Distance;
 use super::layers;
 use super::minimum::{First, within_edge, within_face};
+use super::nearby::Nearby;
 use super::obstacle::{Obstacle, Shape};
-use super::surface::{self, Candidates, Found, Part, Surface};
+use super::surface::{self, Found, Part, Surface};
 use crate::sheet::Mesh;
 
 /// A point of the sheet near an obstacle.
@@ -124,127 +125,6 @@ impl Features {
             weights[k] = if at_a { 1.0 - t } else { t };
         }
         (face, weights)
-    }
-}
-
-/// Features of the sheet that can come closer to an obstacle than a reach, and nearer there than anywhere on their
-/// rim: all that [`detect`] must look at.
-#[derive(Clone, Debug, Default)]
-pub struct Nearby {
-    /// Vertices near, and all ends of the edges and corners of the faces below.
-    vertices: Vec<u32>,
-    edges: Vec<u32>,
-    faces: Vec<u32>,
-    /// Where the ends of the edges stand in `vertices`.
-    edge_slots: Vec<[u32; 2]>,
-    /// Where the corners of the faces stand in `vertices`.
-    face_slots: Vec<[u32; 3]>,
-    /// What may come near to a triangle mesh, in place of edges and faces.
-    candidates: Candidates,
-}
-
-impl Nearby {
-    /// What may come near to a triangle mesh, with the vertices of all of it.
-    pub(super) fn of_surface(vertices: Vec<u32>, candidates: Candidates) -> Self {
-        Self {
-            vertices,
-            candidates,
-            ..Self::default()
-        }
-    }
-
-    /// The vertices that may be near, and all ends of the edges and corners of the faces that may be.
-    pub fn vertices(&self) -> &[u32] {
-        &self.vertices
-    }
-
-    /// Collects the features that may be closer to `body` than `reach` before anything has moved by `margin` against
-    /// it; distance has Lipschitz constant 1. Over a flat side it is linear, and nearest at vertices.
-    pub fn find(
-        mesh: &Mesh,
-        positions: &[Vector3<f64>],
-        body: &Obstacle,
-        reach: f64,
-        margin: f64,
-    ) -> Self {
-        let local = body.all_to_local(positions.iter());
-        if let Shape::Mesh(surface) = &body.shape {
-            let deep = surface.is_closed() && body.overlap.depth > 0.0;
-            let reach = reach - body.overlap.depth;
-            return surface::find(mesh, &local, surface, (reach, margin, deep));
-        }
-        let reach = reach + margin - body.overlap.depth;
-        let firsts: Vec<First> = local.iter().map(|p| body.shape.first_order(p)).collect();
-        let values: Vec<f64> = firsts.iter().map(|first| first.0).collect();
-        let straight = |p| body.shape.straight(p) > margin;
-        let straight: Vec<bool> = local.iter().map(straight).collect();
-        let over_one_side = |nodes: &[u32]| {
-            let normal = firsts[nodes[0] as usize].1;
-            let mut nodes = nodes.iter().map(|&v| v as usize);
-            nodes.all(|v| straight[v] && firsts[v].1 == normal)
-        };
-        let mut near: Vec<bool> = values.iter().map(|&value| value < reach).collect();
-        let position = |v: u32| local[v as usize];
-        let is_near = |e: &u32| {
-            let [a, b] = mesh.edges[*e as usize];
-            let length = (position(b) - position(a)).norm();
-            !over_one_side(&[a, b])
-                && 0.5 * (values[a as usize] + values[b as usize] - length) < reach
-        };
-        let edges: Vec<u32> = (0..mesh.edges.len() as u32).filter(is_near).collect();
-        let is_near = |f: &u32| {
-            let [a, b, c] = mesh.faces[*f as usize];
-            let centre = (position(a) + position(b) + position(c)) / 3.0;
-            let radius = [a, b, c].map(|v| (position(v) - centre).norm());
-            let radius = radius[0].max(radius[1]).max(radius[2]);
-            let lowest = [a, b, c].map(|v| values[v as usize]);
-            !over_one_side(&[a, b, c])
-                && lowest[0].min(lowest[1]).min(lowest[2]) - 2.0 * radius < reach
-                && body.shape.first_order(&centre).0 - radius < reach
-        };
-        let faces: Vec<u32> = (0..mesh.faces.len() as u32).filter(is_near).collect();
-        for &e in &edges {
-            mesh.edges[e as usize]
-                .iter()
-                .for_each(|&v| near[v as usize] = true);
-        }
-        for &f in &faces {
-            mesh.faces[f as usize]
-                .iter()
-                .for_each(|&v| near[v as usize] = true);
-        }
-        let vertices: Vec<u32> = (0..near.len() as u32)
-            .filter(|&v| near[v as usize])
-            .collect();
-        let slot = |v: u32| vertices.binary_search(&v).expect("every end is listed") as u32;
-        let edge_slots = edges
-            .iter()
-            .map(|&e| mesh.edges[e as usize].map(slot))
-            .collect();
-        let face_slots = faces
-            .iter()
-            .map(|&f| mesh.faces[f as usize].map(slot))
-            .collect();
-        Self {
-            vertices,
-            edges,
-            faces,
-            edge_slots,
-            face_slots,
-            candidates: Candidates::default(),
-        }
-    }
-}
-
-/// How deep the middle of the sheet is inside an obstacle that is a closed mesh \[m\], not negative; 0 for others, which see
-/// the sheet wherever it is.
-pub fn depth_inside(mesh: &Mesh, positions: &[Vector3<f64>], body: &Obstacle) -> f64 {
-    match &body.shape {
-        Shape::Mesh(surface) if surface.is_closed() => {
-            let local = body.all_to_local(positions.iter());
-            surface::depth_inside(mesh, &local, surface)
-        }
-        _ => 0.0,
     }
 }
 

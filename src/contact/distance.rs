@@ -68,7 +68,13 @@ impl Obstacle {
 
 impl Shape {
     /// Value and normal alone: the compiler drops the rest of [`Shape::distance`].
+    #[inline]
     pub(super) fn first_order(&self, p: &Vector3<f64>) -> (f64, Vector3<f64>) {
+        if let Self::Box { size } = self
+            && let Some(first) = beside_one_side(p, &(Vector3::from(*size) * 0.5))
+        {
+            return first;
+        }
         let d = self.distance(p);
         (d.value, d.normal)
     }
@@ -192,6 +198,17 @@ fn cuboid(p: &Vector3<f64>, half: &Vector3<f64>) -> Distance {
     let mut normal = Vector3::zeros();
     normal[axis] = sign[axis];
     flat(q[axis], normal)
+}
+
+/// What [`cuboid`] finds beyond one side of the box alone, without roots.
+#[inline(always)]
+fn beside_one_side(p: &Vector3<f64>, half: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
+    let q = p.abs() - half;
+    let beyond = |k: usize| q[k] > 0.0 && q[(k + 1) % 3] <= 0.0 && q[(k + 2) % 3] <= 0.0;
+    let axis = (0..3).find(|&k| beyond(k))?;
+    let mut normal = Vector3::zeros();
+    normal[axis] = 1f64.copysign(p[axis]);
+    Some((q[axis], normal))
 }
 
 /// Cylinder about z of half length `half`; with `half` zero, a disc with two sides.

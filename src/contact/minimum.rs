@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
+use super::detect::LEAD;
 use super::distance::Distance;
 use super::obstacle::Shape;
 
@@ -19,8 +20,27 @@ const ITERATIONS: usize = 60;
 /// Slope of the distance, or fraction of the line, at which a line minimisation stops.
 const FLAT: f64 = 1e-9;
 
-/// Minimum of the distance strictly inside an edge, at a fraction of the way; `None` also where it is surely out
-/// of reach.
+/// What the distance is not below on an edge, from its tangents at both ends, which a convex function lies above.
+#[inline]
+pub(super) fn least_on_edge(ends: [Vector3<f64>; 2], values: [&First; 2]) -> f64 {
+    match downhill_from_both(ends, values) {
+        Some(slopes) => crossing(values, slopes).1,
+        None => values[0].0.min(values[1].0),
+    }
+}
+
+/// The same on a face, from the tangent at one place of it.
+#[inline]
+pub(super) fn least_on_face(
+    corners: &[Vector3<f64>; 3],
+    (at, first): (&Vector3<f64>, &First),
+) -> f64 {
+    let rise = corners.map(|corner| first.1.dot(&(corner - at)));
+    first.0 + rise[0].min(rise[1]).min(rise[2])
+}
+
+/// Minimum of the distance strictly inside an edge, at a fraction of the way; `None` also where it is so far out of reach
+/// that a face with less has its full share.
 #[inline]
 pub(super) fn within_edge(
     shape: &Shape,
@@ -29,11 +49,8 @@ pub(super) fn within_edge(
     reach: f64,
 ) -> Option<(f64, First)> {
     let slopes = downhill_from_both(ends, values)?;
-    // A convex function lies above its tangents.
-    if values[0].0 + slopes[0] > reach || values[1].0 - slopes[1] > reach {
-        return None;
-    }
-    Some(minimum_on_line(shape, ends, values, slopes))
+    let (t, least) = crossing(values, slopes);
+    (least < reach + LEAD).then(|| minimum_on_line(shape, ends, t))
 }
 
 /// Derivatives of the distance along the way from the first point, at both, if it has a minimum strictly between.
@@ -44,19 +61,71 @@ fn downhill_from_both(ends: [Vector3<f64>; 2], values: [&First; 2]) -> Option<[f
     (slopes[0] < 0.0 && slopes[1] > 0.0).then_some(slopes)
 }
 
-/// Minimum of the distance strictly between two points where it falls from both, at a fraction of the way: Newton
-/// kept inside a bracket.
-fn minimum_on_line(
-    shape: &Shape,
-    ends: [Vector3<f64>; 2],
-    values: [&First; 2],
-    slopes: [f64; 2],
-) -> (f64, First) {
-    let along = ends[1] - ends[0];
-    let (mut low, mut high) = (0.0, 1.0);
-    // Where the tangents cross: near a sharp edge of the shape that is above it.
+/// Where the tangents at both ends cross, as a fraction of the way, and at what distance.
+#[inline]
+fn crossing(values: [&First; 2], slopes: [f64; 2]) -> (f64, f64) {
     let rise = values[1].0 - values[0].0;
-    let mut t = ((rise - slopes[1]) / (slopes[0] - slopes[1])).clamp(0.0, 1.0);
+    let t = ((rise - slopes[1]) / (slopes[0] - slopes[1])).clamp(0.0, 1.0);
+    (t, values[0].0 + slopes[0] * t)
+}
+
+/// Minimum of the distance strictly between two points where it falls from both, at a fraction of the way. The search
+/// begins where the tangents cross: near a sharp edge of the shape that is above it.
+#[inline]
+fn minimum_on_line(shape: &Shape, ends: [Vector3<f64>; 2], start: f64) -> (f64, First) {
+    if let Shape::Box { size } = shape {
+        let half = Vector3::from(*size) * 0.5;
+        if let Some(t) = beside_box(&half, ends, start) {
+            return (t, shape.first_order(&(ends[0] + (ends[1] - ends[0]) * t)));
+        }
+    }
+    newton_on_line(shape, ends, start)
+}
+
+/// The same outside of a box, `None` where the way leads into it. The square of the distance is quadratic as long as
+/// the way is beyond the same sides.
+fn beside_box(half: &Vector3<f64>, ends: [Vector3<f64>; 2], start: f64) -> Option<f64> {
+    let along = ends[1] - ends[0];
+    let (mut low, mut high, mut t) = (0.0, 1.0, start);
+    let mut sides = [0.0; 3];
+    for _ in 0..ITERATIONS {
+        let (mut slope, mut bend, mut now) = (0.0, 0.0, [0.0; 3]);
+        for k in 0..3 {
+            let c = ends[0][k] + along[k] * t;
+            let beyond = c.abs() - half[k];
+            if beyond > 0.0 {
+                now[k] = 1f64.copysign(c);
+                let outward = along[k] * now[k];
+                slope += outward * beyond;
+                bend += outward * outward;
+            }
+        }
+        if bend == 0.0 {
+            return None;
+        }
+        if now == sides || high - low <= FLAT {
+            return Some(t);
+        }
+        if slope < 0.0 {
+            low = t
+        } else {
+            high = t
+        }
+        let newton = t - slope / bend;
+        if newton > low && newton < high {
+            (t, sides) = (newton, now);
+        } else {
+            // Not where the square of these sides is least.
+            (t, sides) = (0.5 * (low + high), [0.0; 3]);
+        }
+    }
+    Some(t)
+}
+
+/// Newton kept inside a bracket.
+fn newton_on_line(shape: &Shape, ends: [Vector3<f64>; 2], start: f64) -> (f64, First) {
+    let along = ends[1] - ends[0];
+    let (mut low, mut high, mut t) = (0.0, 1.0, start);
     let mut distance = shape.distance(&(ends[0] + along * t));
     for _ in 0..ITERATIONS {
         let slope = distance.normal.dot(&along);
@@ -116,7 +185,7 @@ pub(super) fn within_face(
             return None;
         }
     }
-    let (weights, value) = minimum_inside(shape, corners);
+    let (weights, value) = minimum_of_face(shape, corners);
     let inside = weights.iter().all(|&w| w > 1e-6);
     let sides = (0..3).filter_map(|k| rim(k).map(|(_, first)| first.0));
     let lowest = values
@@ -125,6 +194,36 @@ pub(super) fn within_face(
         .chain(sides)
         .fold(f64::INFINITY, f64::min);
     (inside && value < reach).then_some((weights, lowest - value))
+}
+
+/// Minimum over a face, where its rim has none; weights that are not all positive where that is not sure.
+fn minimum_of_face(shape: &Shape, corners: &[Vector3<f64>; 3]) -> ([f64; 3], f64) {
+    let at_corner = match shape {
+        Shape::Box { size } => over_corner(&(Vector3::from(*size) * 0.5), corners),
+        _ => None,
+    };
+    at_corner.unwrap_or_else(|| minimum_inside(shape, corners))
+}
+
+/// Foot on the plane of a face of the corner of a box that is on its side, if the corner is what it is nearest to.
+fn over_corner(half: &Vector3<f64>, corners: &[Vector3<f64>; 3]) -> Option<([f64; 3], f64)> {
+    let centre = corners[0] + corners[1] + corners[2];
+    let tip = Vector3::from_fn(|k, _| half[k].copysign(centre[k]));
+    let [along, across] = [corners[1] - corners[0], corners[2] - corners[0]];
+    let normal = along.cross(&across);
+    let square = normal.norm_squared();
+    let tip_from = tip - corners[0];
+    let rise = -normal.dot(&tip_from) / square;
+    let beyond = normal.component_mul(&tip) * rise;
+    if beyond.min() <= 0.0 {
+        return None;
+    }
+    let weight = [
+        tip_from.cross(&across).dot(&normal) / square,
+        along.cross(&tip_from).dot(&normal) / square,
+    ];
+    let weights = [1.0 - weight[0] - weight[1], weight[0], weight[1]];
+    Some((weights, rise.abs() * square.sqrt()))
 }
 
 /// Minimum over a face as the minimum over s of the minima on the lines from a + s (b - a) to c: the envelope of a
@@ -136,7 +235,10 @@ fn minimum_inside(shape: &Shape, corners: &[Vector3<f64>; 3]) -> ([f64; 3], f64)
         let foot = a + (b - a) * s;
         let at_foot = shape.first_order(&foot);
         match downhill_from_both([foot, c], [&at_foot, &at_c]) {
-            Some(slopes) => minimum_on_line(shape, [foot, c], [&at_foot, &at_c], slopes),
+            Some(slopes) => {
+                let (start, _) = crossing([&at_foot, &at_c], slopes);
+                minimum_on_line(shape, [foot, c], start)
+            }
             None if at_foot.0 < at_c.0 => (0.0, at_foot),
             None => (1.0, at_c),
         }
