@@ -9,6 +9,8 @@ use super::obstacle::Shape;
 /// Distance and normal.
 pub(super) type First = (f64, Vector3<f64>);
 
+/// Least weight of a corner inside of a face.
+const INSIDE: f64 = 1e-6;
 /// Golden sections across a face: 1e-3 of its width.
 const SECTIONS: usize = 14;
 /// Newton steps after the sections.
@@ -154,8 +156,8 @@ fn newton_on_line(shape: &Shape, ends: [Vector3<f64>; 2], start: f64) -> (f64, F
 /// On a convex function a point of the rim from which no way into the face leads down is the minimum of the face,
 /// so only faces whose rim has no such point are searched.
 ///
-/// `rim` gives the minimum of the side opposite to a corner, where known: the fraction of the way from the next
-/// corner, distance and normal there.
+/// `rim` gives the minimum of the side opposite to a corner, where it has been looked for already: the fraction of the
+/// way from the next corner, distance and normal there.
 #[inline]
 pub(super) fn within_face(
     shape: &Shape,
@@ -177,53 +179,57 @@ pub(super) fn within_face(
             return None;
         }
     }
-    for k in 0..3 {
-        let [a, b] = [corners[(k + 1) % 3], corners[(k + 2) % 3]];
-        if let Some((t, (_, normal))) = rim(k)
-            && normal.dot(&(corners[k] - a - (b - a) * t)) >= 0.0
-        {
-            return None;
-        }
-    }
-    let (weights, value) = minimum_of_face(shape, corners);
-    let inside = weights.iter().all(|&w| w > 1e-6);
-    let sides = (0..3).filter_map(|k| rim(k).map(|(_, first)| first.0));
-    let lowest = values
-        .iter()
-        .map(|first| first.0)
-        .chain(sides)
-        .fold(f64::INFINITY, f64::min);
-    (inside && value < reach).then_some((weights, lowest - value))
-}
-
-/// Minimum over a face, where its rim has none; weights that are not all positive where that is not sure.
-fn minimum_of_face(shape: &Shape, corners: &[Vector3<f64>; 3]) -> ([f64; 3], f64) {
-    let at_corner = match shape {
-        Shape::Box { size } => over_corner(&(Vector3::from(*size) * 0.5), corners),
+    let above = match shape {
+        Shape::Box { size } => above_box(&(Vector3::from(*size) * 0.5), corners),
         _ => None,
     };
-    at_corner.unwrap_or_else(|| minimum_inside(shape, corners))
-}
-
-/// Foot on the plane of a face of the corner of a box that is on its side, if the corner is what it is nearest to.
-fn over_corner(half: &Vector3<f64>, corners: &[Vector3<f64>; 3]) -> Option<([f64; 3], f64)> {
-    let centre = corners[0] + corners[1] + corners[2];
-    let tip = Vector3::from_fn(|k, _| half[k].copysign(centre[k]));
-    let [along, across] = [corners[1] - corners[0], corners[2] - corners[0]];
-    let normal = along.cross(&across);
-    let square = normal.norm_squared();
-    let tip_from = tip - corners[0];
-    let rise = -normal.dot(&tip_from) / square;
-    let beyond = normal.component_mul(&tip) * rise;
-    if beyond.min() <= 0.0 {
+    if above.is_some_and(|(weights, _)| !is_inside(&weights)) {
         return None;
     }
-    let weight = [
-        tip_from.cross(&across).dot(&normal) / square,
-        along.cross(&tip_from).dot(&normal) / square,
-    ];
+    let side = |k: usize| {
+        let [i, j] = [(k + 1) % 3, (k + 2) % 3];
+        let ends = [corners[i], corners[j]];
+        rim(k).or_else(|| {
+            let slopes = downhill_from_both(ends, [values[i], values[j]])?;
+            let (start, _) = crossing([values[i], values[j]], slopes);
+            Some(minimum_on_line(shape, ends, start))
+        })
+    };
+    let mut lowest = values[0].0.min(values[1].0).min(values[2].0);
+    for k in 0..3 {
+        let [a, b] = [corners[(k + 1) % 3], corners[(k + 2) % 3]];
+        let Some((t, (value, normal))) = side(k) else {
+            continue;
+        };
+        if normal.dot(&(corners[k] - a - (b - a) * t)) >= 0.0 {
+            return None;
+        }
+        lowest = lowest.min(value);
+    }
+    let (weights, value) = above.unwrap_or_else(|| minimum_inside(shape, corners));
+    (is_inside(&weights) && value < reach).then_some((weights, lowest - value))
+}
+
+fn is_inside(weights: &[f64; 3]) -> bool {
+    weights.iter().all(|&w| w > INSIDE)
+}
+
+/// Minimum over the plane of a face, as weights of the corners and distance, where that plane passes a box: the foot of
+/// the corner of the box that is farthest that way.
+fn above_box(half: &Vector3<f64>, corners: &[Vector3<f64>; 3]) -> Option<([f64; 3], f64)> {
+    let [along, across] = [corners[1] - corners[0], corners[2] - corners[0]];
+    let normal = along.cross(&across);
+    let level = normal.dot(&corners[0]);
+    let rise = level.abs() - half.dot(&normal.abs());
+    if rise <= 0.0 {
+        return None;
+    }
+    let outward = normal * 1f64.copysign(level);
+    let tip = half.zip_map(&outward, f64::copysign) - corners[0];
+    let square = normal.norm_squared();
+    let weight = [tip.cross(&across), along.cross(&tip)].map(|part| part.dot(&normal) / square);
     let weights = [1.0 - weight[0] - weight[1], weight[0], weight[1]];
-    Some((weights, rise.abs() * square.sqrt()))
+    Some((weights, rise / square.sqrt()))
 }
 
 /// Minimum over a face as the minimum over s of the minima on the lines from a + s (b - a) to c: the envelope of a
