@@ -8,10 +8,10 @@ use nalgebra::Vector3;
 
 use super::distance::Distance;
 use super::layers;
-use super::minimum::{First, within_edge, within_face};
 use super::nearby::Nearby;
 use super::obstacle::{Obstacle, Shape};
-use super::surface::{self, Found, Part, Surface};
+use super::search::{Place, Search, Spot};
+use super::surface::Part;
 use crate::sheet::Mesh;
 
 /// A point of the sheet near an obstacle.
@@ -36,6 +36,19 @@ pub struct Proximity {
 }
 
 impl Proximity {
+    /// What forces need of it.
+    pub fn spot(&self) -> Spot {
+        Spot {
+            key: self.key,
+            obstacle: self.obstacle,
+            face: self.face,
+            weights: self.weights,
+            share: self.share,
+            distance: self.distance.value,
+            normal: self.distance.normal,
+        }
+    }
+
     /// In how many ways the point can slide on its feature: 0 at a vertex, 1 in an edge, 2 in a face.
     pub fn freedom(&self) -> usize {
         self.weights.iter().filter(|&&w| w > 0.0).count() - 1
@@ -54,12 +67,12 @@ impl Proximity {
 }
 
 /// Bits of a key below the obstacle.
-const FEATURE_BITS: u32 = 40;
+pub(super) const FEATURE_BITS: u32 = 40;
 /// Bits of the obstacle, above which stands the number of a contact among those of one feature.
-const OBSTACLE_BITS: u32 = 16;
+pub(super) const OBSTACLE_BITS: u32 = 16;
 const OBSTACLE_MASK: u64 = ((1 << OBSTACLE_BITS) - 1) << FEATURE_BITS;
 
-fn key(obstacle: u32, kind: u64, feature: u32) -> u64 {
+pub(super) fn key(obstacle: u32, kind: u64, feature: u32) -> u64 {
     (u64::from(obstacle) << FEATURE_BITS) | (kind << 36) | u64::from(feature)
 }
 
@@ -109,7 +122,7 @@ impl Features {
     }
 
     /// A face of a vertex, with the weights of the vertex in it.
-    fn on_vertex(&self, vertex: usize) -> (u32, [f64; 3]) {
+    pub(super) fn on_vertex(&self, vertex: usize) -> (u32, [f64; 3]) {
         let (face, corner) = self.vertex[vertex];
         let mut weights = [0.0; 3];
         weights[corner as usize] = 1.0;
@@ -117,7 +130,7 @@ impl Features {
     }
 
     /// A face of an edge, with the weights in it of a point at a fraction of the way along the edge.
-    fn on_edge(&self, mesh: &Mesh, edge: usize, t: f64) -> (u32, [f64; 3]) {
+    pub(super) fn on_edge(&self, mesh: &Mesh, edge: usize, t: f64) -> (u32, [f64; 3]) {
         let (face, corner) = self.edge[edge];
         let mut weights = [0.0; 3];
         for k in (0..3).filter(|&k| k != corner as usize) {
@@ -139,107 +152,36 @@ pub fn detect(
     reach: f64,
     found: &mut Vec<Proximity>,
 ) {
-    let (index, body) = obstacle;
-    let reach = reach - body.overlap.depth;
-    let local = body.all_to_local(nearby.vertices.iter().map(|&v| &positions[v as usize]));
-    if let Shape::Mesh(surface) = &body.shape {
-        let mut near = vec![];
-        surface::detect(
-            (mesh, surface),
-            &nearby.candidates,
-            &local,
-            reach,
-            &mut near,
-        );
-        let proximities = near
-            .iter()
-            .map(|near| near_surface((mesh, features), obstacle, surface, near));
-        found.extend(proximities);
-        return;
-    }
-    let values: Vec<First> = local.iter().map(|p| body.shape.first_order(p)).collect();
-    let key = |kind: u64, feature: u32| key(index, kind, feature);
-    let mut add = |key, face, weights, share, at: &Vector3<f64>| {
-        let distance = body.to_world(&body.shape.distance(at));
+    let (_, body) = obstacle;
+    let position = |v: u32| positions[v as usize];
+    let first = found.len();
+    let add = |place: Place| {
+        let distance = match (&body.shape, place.part) {
+            (Shape::Mesh(surface), Some(part)) => surface.distance_to(part, &place.at),
+            (shape, _) => shape.distance(&place.at),
+        };
         found.push(Proximity {
-            key,
-            obstacle: index,
-            face,
-            weights,
-            share,
-            distance,
-            part: None,
+            key: place.key,
+            obstacle: place.obstacle,
+            face: place.face,
+            weights: place.weights,
+            share: place.share,
+            distance: body.to_world(&distance),
+            part: place.part,
         });
     };
-    for (i, &v) in nearby.vertices.iter().enumerate() {
-        if values[i].0 < reach {
-            let (face, weights) = features.on_vertex(v as usize);
-            add(key(0, v), face, weights, 1.0, &local[i]);
-        }
-    }
-    // Minima of the edges, by edge, kept for the faces that they bound.
-    let edges = nearby.edges.iter().zip(&nearby.edge_slots);
-    let within = |(&e, slots): (&u32, &[u32; 2])| {
-        let [a, b] = slots.map(|i| i as usize);
-        let (ends, values) = ([local[a], local[b]], [&values[a], &values[b]]);
-        let minimum = within_edge(&body.shape, ends, values, reach)?;
-        Some((e, *slots, minimum))
-    };
-    let minima: Vec<(u32, [u32; 2], (f64, First))> = edges.filter_map(within).collect();
-    for &(e, slots, (t, first)) in &minima {
-        if first.0 >= reach {
-            continue;
-        }
-        let ends = slots.map(|i| local[i as usize]);
-        let (face, weights) = features.on_edge(mesh, e as usize, t);
-        let at = ends[0] + (ends[1] - ends[0]) * t;
-        let rim = slots.map(|i| values[i as usize].0);
-        add(
-            key(1, e),
-            face,
-            weights,
-            share(rim[0].min(rim[1]) - first.0),
-            &at,
-        );
-    }
-    for (&f, slots) in nearby.faces.iter().zip(&nearby.face_slots) {
-        let corners = slots.map(|i| local[i as usize]);
-        let values = slots.map(|i| &values[i as usize]);
-        let rim = |k: usize| {
-            let e = mesh.face_edges[f as usize][k];
-            let (_, _, (t, first)) = minima[minima.binary_search_by_key(&e, |m| m.0).ok()?];
-            let forward = mesh.edges[e as usize][0] == mesh.faces[f as usize][(k + 1) % 3];
-            Some((if forward { t } else { 1.0 - t }, first))
-        };
-        if let Some((weights, lead)) = within_face(&body.shape, &corners, values, rim, reach) {
-            let at = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
-            add(key(2, f), f, weights, share(lead), &at);
-        }
-    }
-}
-
-/// A point near a triangle mesh, in the world.
-fn near_surface(
-    (mesh, features): (&Mesh, &Features),
-    (index, body): (u32, &Obstacle),
-    surface: &Surface,
-    near: &Found,
-) -> Proximity {
-    let feature = near.feature as usize;
-    let (face, weights) = match near.kind {
-        0 => features.on_vertex(feature),
-        1 => features.on_edge(mesh, feature, near.weights[1]),
-        _ => (near.feature, near.weights),
-    };
-    Proximity {
-        key: key(index, near.kind, near.feature)
-            | u64::from(near.number) << (FEATURE_BITS + OBSTACLE_BITS),
-        obstacle: index,
-        face,
-        weights,
-        share: near.share,
-        distance: body.to_world(&surface.distance_to(near.part, &near.at)),
-        part: Some(near.part),
+    let mut search = Search::default();
+    search.run(
+        (mesh, features, position),
+        obstacle,
+        (nearby, &nearby.sides),
+        reach,
+        add,
+    );
+    if !nearby.sides.is_empty() {
+        let vertices = found[first..].iter().take_while(|near| near.freedom() == 0);
+        let end = first + vertices.count();
+        found[first..end].sort_unstable_by_key(|near| near.key);
     }
 }
 

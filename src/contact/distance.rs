@@ -45,14 +45,16 @@ impl Obstacle {
         &self,
         points: impl Iterator<Item = &'a Vector3<f64>>,
     ) -> Vec<Vector3<f64>> {
-        let turn = self
-            .pose
-            .rotation
-            .to_rotation_matrix()
-            .into_inner()
-            .transpose();
+        let into = self.into_local();
+        points.map(into).collect()
+    }
+
+    /// What takes a point of the world to the obstacle's frame.
+    pub(super) fn into_local(&self) -> impl Fn(&Vector3<f64>) -> Vector3<f64> + use<> {
+        let turn = self.pose.rotation.to_rotation_matrix();
+        let turn = turn.into_inner().transpose();
         let origin = self.pose.translation.vector;
-        points.map(|p| turn * (p - origin)).collect()
+        move |p| turn * (p - origin)
     }
 
     /// A distance found in the obstacle's frame, with its derivatives turned to the world's, from the surface that acts.
@@ -100,6 +102,19 @@ impl Shape {
                 within(cap, p.x.hypot(p.y) - radius, p.z.abs())
             }
             Self::Sphere { .. } | Self::Capsule { .. } | Self::Mesh(_) => 0.0,
+        }
+    }
+
+    /// How far the flat side with such a normal is from the origin of the shape \[m\].
+    pub(super) fn level(&self, normal: &Vector3<f64>) -> f64 {
+        match *self {
+            Self::Box { size } => 0.5 * Vector3::from(size).dot(&normal.abs()),
+            Self::Cylinder { length, .. } => 0.5 * length,
+            Self::Plane
+            | Self::Disc { .. }
+            | Self::Sphere { .. }
+            | Self::Capsule { .. }
+            | Self::Mesh(_) => 0.0,
         }
     }
 

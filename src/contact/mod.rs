@@ -7,6 +7,7 @@ mod minimum;
 mod motion;
 mod nearby;
 mod obstacle;
+mod search;
 pub mod surface;
 #[cfg(test)]
 mod test;
@@ -14,6 +15,7 @@ mod test;
 pub use detect::{Features, Proximity, detect, obstacle_of, with_obstacle};
 pub use distance::Distance;
 pub use motion::{Law, Motion};
-pub use nearby::{Nearby, depth_inside};
+pub use nearby::{FAR, Nearby, Side, depth_inside};
 pub use obstacle::{Obstacle, Overlap, Pose, Shape, Velocity};
+pub use search::{Search, Spot};
 pub use surface::{Surface, SurfaceError};

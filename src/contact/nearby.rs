@@ -7,26 +7,46 @@ use super::obstacle::{Obstacle, Shape};
 use super::surface::{self, Candidates};
 use crate::sheet::Mesh;
 
+/// How far the sheet may move where it is not [`Nearby::close`] before it is near \[m\].
+pub const FAR: f64 = 1e-2;
+
+/// A flat side of an obstacle with vertices over it that come near to nothing else of it, nor do edges and faces there.
+#[derive(Clone, Debug)]
+pub struct Side {
+    /// Outward, in the obstacle's frame, of length 1.
+    pub normal: Vector3<f64>,
+    /// How far it is from the obstacle's origin that way \[m\].
+    pub level: f64,
+    /// In rising order.
+    pub vertices: Vec<u32>,
+}
+
 /// Features of the sheet that can come closer to an obstacle than a reach, and nearer there than anywhere on their
 /// rim: all that [`super::detect`] must look at.
 #[derive(Clone, Debug, Default)]
 pub struct Nearby {
-    /// Vertices near, and all ends of the edges and corners of the faces below.
-    pub(super) vertices: Vec<u32>,
+    /// All vertices near, in rising order: over flat sides, and in the rim.
+    vertices: Vec<u32>,
+    pub(super) sides: Vec<Side>,
+    /// Ends of the edges and corners of the faces below, and vertices that are not over one side.
+    pub(super) rim: Vec<u32>,
     pub(super) edges: Vec<u32>,
     pub(super) faces: Vec<u32>,
-    /// Where the ends of the edges stand in `vertices`.
+    /// Where the ends of the edges stand in `rim`.
     pub(super) edge_slots: Vec<[u32; 2]>,
-    /// Where the corners of the faces stand in `vertices`.
+    /// Where the corners of the faces stand in `rim`.
     pub(super) face_slots: Vec<[u32; 3]>,
+    close: Vec<u32>,
     /// What may come near to a triangle mesh, in place of edges and faces.
     pub(super) candidates: Candidates,
 }
 
 impl Nearby {
     /// What may come near to a triangle mesh, with the vertices of all of it.
-    pub(super) fn of_surface(vertices: Vec<u32>, candidates: Candidates) -> Self {
+    pub(super) fn of_surface(sheet: usize, vertices: Vec<u32>, candidates: Candidates) -> Self {
         Self {
+            rim: vertices.clone(),
+            close: (0..sheet as u32).collect(),
             vertices,
             candidates,
             ..Self::default()
@@ -36,6 +56,21 @@ impl Nearby {
     /// The vertices that may be near, and all ends of the edges and corners of the faces that may be.
     pub fn vertices(&self) -> &[u32] {
         &self.vertices
+    }
+
+    /// Flat sides with the vertices over them.
+    pub fn sides(&self) -> &[Side] {
+        &self.sides
+    }
+
+    /// The vertices that are not over one flat side.
+    pub fn rim(&self) -> &[u32] {
+        &self.rim
+    }
+
+    /// The vertices that must not move by the margin against the obstacle; the others must not move by [`FAR`].
+    pub fn close(&self) -> &[u32] {
+        &self.close
     }
 
     /// Collects the features that may be closer to `body` than `reach` before anything has moved by `margin` against
@@ -61,23 +96,32 @@ impl Nearby {
         let faces = (0..mesh.faces.len() as u32)
             .filter(|&f| sheet.face_is_near(mesh.faces[f as usize], reach));
         let faces: Vec<u32> = faces.collect();
-        let mut near: Vec<bool> = sheet.firsts.iter().map(|first| first.0 < reach).collect();
+        let mut in_rim = vec![false; positions.len()];
         let ends = edges.iter().flat_map(|&e| &mesh.edges[e as usize]);
         let corners = faces.iter().flat_map(|&f| &mesh.faces[f as usize]);
         for &v in ends.chain(corners) {
-            near[v as usize] = true;
+            in_rim[v as usize] = true;
         }
-        let vertices: Vec<u32> = (0..near.len() as u32)
-            .filter(|&v| near[v as usize])
-            .collect();
-        let slot = |v: u32| vertices.binary_search(&v).expect("every end is listed") as u32;
+        let all = 0..positions.len() as u32;
+        let is_near = |&v: &u32| in_rim[v as usize] || sheet.firsts[v as usize].0 < reach;
+        let vertices: Vec<u32> = all.clone().filter(is_near).collect();
+        let over_side = |v: &u32| !in_rim[*v as usize] && sheet.straight[*v as usize];
+        let (over, rim): (Vec<u32>, Vec<u32>) = vertices.iter().partition(|v| over_side(v));
+        let slot = |v: u32| rim.binary_search(&v).expect("every end is listed") as u32;
         let ends = edges.iter().map(|&e| mesh.edges[e as usize].map(slot));
         let corners = faces.iter().map(|&f| mesh.faces[f as usize].map(slot));
+        // An edge or face with a vertex farther than that stays out of reach until all its vertices have moved as far.
+        let close = reach + FAR + sheet.longest(mesh);
         Self {
             edge_slots: ends.collect(),
             face_slots: corners.collect(),
+            sides: sheet.sides(&over),
+            close: all
+                .filter(|&v| sheet.firsts[v as usize].0 < close)
+                .collect(),
             candidates: Candidates::default(),
             vertices,
+            rim,
             edges,
             faces,
         }
@@ -110,6 +154,29 @@ impl<'a> Sheet<'a> {
         let normal = self.firsts[nodes[0] as usize].1;
         let mut nodes = nodes.iter().map(|&v| v as usize);
         nodes.all(|v| self.straight[v] && self.firsts[v].1 == normal)
+    }
+
+    /// Sorts vertices by the sides that they are over.
+    fn sides(&self, vertices: &[u32]) -> Vec<Side> {
+        let mut sides: Vec<Side> = vec![];
+        for &v in vertices {
+            let normal = self.firsts[v as usize].1;
+            match sides.iter_mut().find(|side| side.normal == normal) {
+                Some(side) => side.vertices.push(v),
+                None => sides.push(Side {
+                    normal,
+                    level: self.shape.level(&normal),
+                    vertices: vec![v],
+                }),
+            }
+        }
+        sides
+    }
+
+    /// Length of the longest edge \[m\].
+    fn longest(&self, mesh: &Mesh) -> f64 {
+        let squares = mesh.edges.iter().map(|&[a, b]| self.square(a, b));
+        squares.fold(0.0, f64::max).sqrt()
     }
 
     fn square(&self, a: u32, b: u32) -> f64 {

@@ -249,5 +249,5 @@ fn numbered(mesh: &Mesh, mut found: Candidates) -> Nearby {
     for row in &mut found.faces {
         row.slots = mesh.faces[row.feature as usize].map(slot);
     }
-    Nearby::of_surface(vertices, found)
+    Nearby::of_surface(mesh.material.len(), vertices, found)
 }
