@@ -41,7 +41,7 @@ impl Obstacle {
     }
 
     /// Points of the world in the obstacle's frame.
-    pub(super) fn all_to_local<'a>(
+    pub fn all_to_local<'a>(
         &self,
         points: impl Iterator<Item = &'a Vector3<f64>>,
     ) -> Vec<Vector3<f64>> {

@@ -1,0 +1,267 @@
+//! Where the sheet meets obstacles in a run of substeps, and what that does to it.
+
+use nalgebra::Vector3;
+
+use super::super::impulse::{self, Taken};
+use super::super::stable::quickest;
+use super::floors::Floors;
+use crate::contact::{FAR, Nearby, Obstacle, Pose, Search, Side, Spot};
+use crate::physics::contact::{ContactLaw, weighted};
+use crate::sim::lanes::{Lanes, add, lanes, scale, vector};
+use crate::sim::model::Model;
+use crate::sim::state::State;
+use crate::sim::touch::Touch;
+
+/// How far the sheet may move against an obstacle before what is near is collected anew \[m\].
+const MARGIN: f64 = 2.5e-4;
+/// Part of the margin that must be left, or what is near is collected anew.
+const LEFT: f64 = 0.3;
+
+/// Contact with obstacles, with its work space.
+pub struct Meeting {
+    nearby: Vec<Nearby>,
+    /// Where the vertices that are close to each obstacle were in its frame when `nearby` was collected \[m\].
+    starts: Vec<Vec<Vector3<f64>>>,
+    /// Motion that `nearby` still allows what is close, and the rest \[m\].
+    allowance: [f64; 2],
+    floors: Floors,
+    /// Vertices over flat sides that are not in `floors`, by obstacle.
+    shared: Vec<Vec<Side>>,
+    /// Positions \[m\], now and then up to date, shape \[vertices\].
+    positions: Vec<Vector3<f64>>,
+    search: Search,
+    spots: Vec<Spot>,
+    /// Velocities of the spots in the half step before \[m/s\].
+    motions: Vec<Vector3<f64>>,
+    /// Where moving obstacles were before the substep, and how far drawn in \[m\].
+    before: Vec<(Pose, f64)>,
+    haste: f64,
+}
+
+/// Time since the start of the run, largest speed of the sheet, and length of a substep.
+type Motion = (f64, f64, f64);
+
+impl Meeting {
+    /// For a sheet of so many vertices.
+    pub fn new(vertices: usize) -> Self {
+        Self {
+            nearby: vec![],
+            starts: vec![],
+            allowance: [f64::NEG_INFINITY; 2],
+            floors: Floors::default(),
+            shared: vec![],
+            positions: vec![Vector3::zeros(); vertices],
+            search: Search::default(),
+            spots: vec![],
+            motions: vec![],
+            before: vec![],
+            haste: 0.0,
+        }
+    }
+
+    /// Forgets the run of substeps before: a step depends on the state alone, also after a command.
+    pub fn begin(&mut self) {
+        self.allowance = [f64::NEG_INFINITY; 2];
+        self.haste = 0.0;
+    }
+
+    /// Largest motion of the sheet against an obstacle near it in one substep, over half the thickness of the cloth.
+    pub fn haste(&self) -> f64 {
+        self.haste
+    }
+
+    /// Moves the obstacles to the end of the drift, finds what touches there, and adds the forces of contact.
+    pub fn push(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        (nodes, rates): (&[Lanes], &[Lanes]),
+        inverse_mass: &[Lanes],
+        (time, fastest, dt): Motion,
+        forces: &mut [Lanes],
+    ) {
+        let Some(law) = &model.contact else { return };
+        let quickest = self.move_obstacles(model, &mut state.obstacles, nodes, (time, dt));
+        let bodies = &state.obstacles[..];
+        self.look(
+            model,
+            law,
+            bodies,
+            (nodes, inverse_mass),
+            (fastest + quickest) * dt,
+        );
+        let mut speed = self.floors.push(law, bodies, (nodes, rates), forces);
+        let position = |v: u32| vector(&nodes[v as usize]);
+        self.spots.clear();
+        for (i, body) in bodies.iter().enumerate() {
+            let (near, shared) = (&self.nearby[i], &self.shared[i][..]);
+            let others = shared.iter().flat_map(|side| &side.vertices);
+            for &v in near.rim().iter().chain(others) {
+                let motion = vector(&rates[v as usize]) - body.velocity_at(&position(v));
+                speed = speed.max(motion.norm_squared().sqrt());
+            }
+            let sheet = (&model.mesh, &model.features, position);
+            let (search, spots) = (&mut self.search, &mut self.spots);
+            search.spots(sheet, (i as u32, body), (near, shared), law.offset, spots);
+        }
+        for spot in &self.spots {
+            let force = lanes(&(spot.normal * law.force(spot.share, spot.distance)));
+            let face = model.mesh.faces[spot.face as usize];
+            for (v, w) in face.into_iter().zip(spot.weights) {
+                if w > 0.0 {
+                    forces[v as usize] = add(forces[v as usize], scale(force, w));
+                }
+            }
+        }
+        impulse::motions(model, &self.spots, rates, &mut self.motions);
+        self.haste = self.haste.max(speed * dt / law.offset.max(law.limit()));
+        if quickest > 0.0 {
+            state.ledger.supports += self.work_of_obstacles(model, law, bodies, nodes);
+        }
+    }
+
+    /// Brakes `rates` in contact over a substep of `dt`.
+    pub fn brake(
+        &self,
+        model: &Model,
+        state: &mut State,
+        (inverse_mass, nodes): (&[Lanes], &[Lanes]),
+        rates: &mut [Lanes],
+        dt: f64,
+    ) {
+        let Some(law) = &model.contact else { return };
+        let bodies = &state.obstacles[..];
+        let sheet = (inverse_mass, nodes);
+        let mut taken: Taken = self.floors.brake(model, law, bodies, sheet, rates, dt);
+        let touching = (bodies, &self.spots[..], &self.motions[..]);
+        taken.add(impulse::brake(
+            model,
+            law,
+            touching,
+            inverse_mass,
+            nodes,
+            rates,
+            dt,
+        ));
+        taken.book(&mut state.ledger);
+    }
+
+    /// All contacts of the substep that was last.
+    pub fn touch(&mut self, model: &Model, state: &State, nodes: &[Lanes]) -> Touch {
+        let mut touch = Touch {
+            obstacles: state.obstacles.clone(),
+            ..Touch::default()
+        };
+        if let Some(law) = &model.contact {
+            self.refresh(nodes);
+            touch.find(model, law, &self.positions, Some(&self.nearby));
+        }
+        touch
+    }
+
+    /// Moves the obstacles that move, and returns how fast their surfaces may be \[m/s\].
+    fn move_obstacles(
+        &mut self,
+        model: &Model,
+        bodies: &mut [Obstacle],
+        nodes: &[Lanes],
+        (time, dt): (f64, f64),
+    ) -> f64 {
+        if bodies.iter().all(Obstacle::is_still) {
+            return 0.0;
+        }
+        let turns = |body: &Obstacle| body.scripted || body.velocity.angular.norm() > 0.0;
+        if bodies.iter().any(turns) {
+            self.refresh(nodes);
+        }
+        let before = bodies.iter().map(|body| (body.pose, body.overlap.depth));
+        self.before.clear();
+        self.before.extend(before);
+        let speeds = bodies
+            .iter()
+            .map(|body| quickest(model, body, &self.positions));
+        let quickest = speeds.fold(0.0, f64::max);
+        model.move_obstacles(bodies, time, dt);
+        quickest
+    }
+
+    /// Collects what may touch, after the sheet and the obstacles may have moved by `way` against each other.
+    fn look(
+        &mut self,
+        model: &Model,
+        law: &ContactLaw,
+        bodies: &[Obstacle],
+        (nodes, inverse_mass): (&[Lanes], &[Lanes]),
+        way: f64,
+    ) {
+        self.allowance = self.allowance.map(|allowance| allowance - way);
+        if self.allowance[0] >= 0.0 {
+            return;
+        }
+        self.refresh(nodes);
+        let [_, far] = self.allowance;
+        // Most have not gone as far as the fastest.
+        let left = if far > LEFT * MARGIN {
+            MARGIN - self.moved(bodies)
+        } else {
+            0.0
+        };
+        self.allowance[0] = left.min(far);
+        if self.allowance[0] >= LEFT * MARGIN {
+            return;
+        }
+        let (mesh, positions) = (&model.mesh, &self.positions);
+        let find = |body| Nearby::find(mesh, positions, body, law.offset, MARGIN);
+        self.nearby = bodies.iter().map(find).collect();
+        let places = |(body, near): (&Obstacle, &Nearby)| {
+            let close = near.close().iter();
+            body.all_to_local(close.map(|&v| &positions[v as usize]))
+        };
+        self.starts = bodies.iter().zip(&self.nearby).map(places).collect();
+        self.shared = self.floors.sort(&self.nearby, inverse_mass);
+        self.allowance = [MARGIN, FAR];
+    }
+
+    /// How far anything close to an obstacle has moved against it since \[m\].
+    fn moved(&self, bodies: &[Obstacle]) -> f64 {
+        let mut farthest: f64 = 0.0;
+        for (body, (near, starts)) in bodies.iter().zip(self.nearby.iter().zip(&self.starts)) {
+            let close = near.close().iter();
+            let now = body.all_to_local(close.map(|&v| &self.positions[v as usize]));
+            let squares = now
+                .iter()
+                .zip(starts)
+                .map(|(now, start)| (now - start).norm_squared());
+            farthest = squares.fold(farthest, f64::max);
+        }
+        farthest.sqrt()
+    }
+
+    /// Work that moving obstacles do on the sheet by normal forces while they go to where they are \[J\].
+    fn work_of_obstacles(
+        &self,
+        model: &Model,
+        law: &ContactLaw,
+        bodies: &[Obstacle],
+        nodes: &[Lanes],
+    ) -> f64 {
+        let place = |v: u32| vector(&nodes[v as usize]);
+        let spots = self.spots.iter().map(|spot| {
+            let face = model.mesh.faces[spot.face as usize];
+            let at = weighted(&spot.weights, &face.map(place));
+            let force = law.force(spot.share, spot.distance);
+            (spot.obstacle as usize, at, spot.normal, force)
+        });
+        let work = |(obstacle, at, normal, force): (usize, Vector3<f64>, Vector3<f64>, f64)| {
+            let (body, (pose, depth)) = (&bodies[obstacle], &self.before[obstacle]);
+            let from = (pose * body.pose.inverse_transform_point(&at.into())).coords;
+            force * (normal.dot(&(at - from)) + depth - body.overlap.depth)
+        };
+        self.floors.loads(law, nodes).chain(spots).map(work).sum()
+    }
+
+    fn refresh(&mut self, nodes: &[Lanes]) {
+        let places = self.positions.iter_mut().zip(nodes);
+        places.for_each(|(place, node)| *place = vector(node));
+    }
+}
