@@ -41,6 +41,32 @@ pub(super) fn least_on_face(
     first.0 + rise[0].min(rise[1]).min(rise[2])
 }
 
+/// The same from the tangents at the minima of its sides: that minimum itself, if it is on a side.
+pub(super) fn least_from_sides(
+    shape: &Shape,
+    corners: &[Vector3<f64>; 3],
+    values: [&First; 3],
+) -> f64 {
+    let on_side = |k: usize| {
+        let [i, j] = [(k + 1) % 3, (k + 2) % 3];
+        let (t, first) = minimum_of_side([corners[i], corners[j]], [values[i], values[j]], shape)?;
+        let at = corners[i] + (corners[j] - corners[i]) * t;
+        Some(least_on_face(corners, (&at, &first)))
+    };
+    (0..3).filter_map(on_side).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Minimum of the distance strictly inside an edge, wherever it is.
+fn minimum_of_side(
+    ends: [Vector3<f64>; 2],
+    values: [&First; 2],
+    shape: &Shape,
+) -> Option<(f64, First)> {
+    let slopes = downhill_from_both(ends, values)?;
+    let (start, _) = crossing(values, slopes);
+    Some(minimum_on_line(shape, ends, start))
+}
+
 /// Minimum of the distance strictly inside an edge, at a fraction of the way; `None` also where it is so far out of reach
 /// that a face with less has its full share.
 #[inline]
@@ -189,11 +215,7 @@ pub(super) fn within_face(
     let side = |k: usize| {
         let [i, j] = [(k + 1) % 3, (k + 2) % 3];
         let ends = [corners[i], corners[j]];
-        rim(k).or_else(|| {
-            let slopes = downhill_from_both(ends, [values[i], values[j]])?;
-            let (start, _) = crossing([values[i], values[j]], slopes);
-            Some(minimum_on_line(shape, ends, start))
-        })
+        rim(k).or_else(|| minimum_of_side(ends, [values[i], values[j]], shape))
     };
     let mut lowest = values[0].0.min(values[1].0).min(values[2].0);
     for k in 0..3 {

@@ -36,10 +36,10 @@ pub struct Floors {
 impl Floors {
     /// Takes the vertices near obstacles that only one contact can touch and that are free to move in all directions, or
     /// in none. Returns the others over flat sides, by obstacle.
-    pub fn sort(&mut self, nearby: &[Nearby], inverse_mass: &[Lanes]) -> Vec<Vec<Side>> {
+    pub fn sort(&mut self, nearby: &[&Nearby], inverse_mass: &[Lanes]) -> Vec<Vec<Side>> {
         self.floors.clear();
         let mut counts = vec![0; inverse_mass.len()];
-        for &v in nearby.iter().flat_map(Nearby::vertices) {
+        for &v in nearby.iter().flat_map(|near| near.vertices()) {
             counts[v as usize] += 1;
         }
         let is_alone = |&v: &u32| {
@@ -62,16 +62,15 @@ impl Floors {
         shared
     }
 
-    /// Finds what touches, adds the forces of contact, and returns the largest speed against a floor \[m/s\].
+    /// Finds what touches and adds the forces of contact.
     pub fn push(
         &mut self,
         law: &ContactLaw,
         obstacles: &[Obstacle],
         (nodes, rates): (&[Lanes], &[Lanes]),
         forces: &mut [Lanes],
-    ) -> f64 {
+    ) {
         self.rests.clear();
-        let mut fastest: f64 = 0.0;
         for (f, floor) in self.floors.iter_mut().enumerate() {
             let body = &obstacles[floor.obstacle];
             floor.normal = body.pose.rotation.to_rotation_matrix() * floor.side.normal;
@@ -79,11 +78,6 @@ impl Floors {
             let reach = law.offset - body.overlap.depth;
             for &vertex in &floor.side.vertices {
                 let (x, rate) = (&nodes[vertex as usize], &rates[vertex as usize]);
-                let motion = match body.is_still() {
-                    true => *rate,
-                    false => sub(*rate, lanes(&body.velocity_at(&vector(x)))),
-                };
-                fastest = fastest.max(dot(motion, motion));
                 let value = dot(normal, sub(*x, origin)) - floor.side.level;
                 if value < reach {
                     let distance = value + body.overlap.depth;
@@ -98,7 +92,6 @@ impl Floors {
                 }
             }
         }
-        fastest.sqrt()
     }
 
     /// Brakes `rates` of what rests over a substep of `dt`.

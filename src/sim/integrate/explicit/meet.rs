@@ -7,13 +7,15 @@ use super::super::stable::quickest;
 use super::floors::Floors;
 use crate::contact::{FAR, Nearby, Obstacle, Pose, Search, Side, Spot};
 use crate::physics::contact::{ContactLaw, weighted};
-use crate::sim::lanes::{Lanes, add, lanes, scale, vector};
+use crate::sim::lanes::{Lanes, add, dot, lanes, scale, vector};
 use crate::sim::model::Model;
 use crate::sim::state::State;
 use crate::sim::touch::Touch;
 
 /// How far the sheet may move against an obstacle before what is near is collected anew \[m\].
-const MARGIN: f64 = 2.5e-4;
+const MARGIN: f64 = 1e-3;
+/// The same for what is looked at in every substep.
+const SLIVER: f64 = 1e-4;
 /// Part of the margin that must be left, or what is near is collected anew.
 const LEFT: f64 = 0.3;
 
@@ -24,6 +26,10 @@ pub struct Meeting {
     starts: Vec<Vec<Vector3<f64>>>,
     /// Motion that `nearby` still allows what is close, and the rest \[m\].
     allowance: [f64; 2],
+    /// Of that, what may touch soon: `None` where it is all of it.
+    soon: Vec<Option<Nearby>>,
+    /// Motion that `soon` still allows what is near \[m\].
+    sliver: f64,
     floors: Floors,
     /// Vertices over flat sides that are not in `floors`, by obstacle.
     shared: Vec<Vec<Side>>,
@@ -48,6 +54,8 @@ impl Meeting {
             nearby: vec![],
             starts: vec![],
             allowance: [f64::NEG_INFINITY; 2],
+            soon: vec![],
+            sliver: 0.0,
             floors: Floors::default(),
             shared: vec![],
             positions: vec![Vector3::zeros(); vertices],
@@ -83,26 +91,21 @@ impl Meeting {
         let Some(law) = &model.contact else { return };
         let quickest = self.move_obstacles(model, &mut state.obstacles, nodes, (time, dt));
         let bodies = &state.obstacles[..];
-        self.look(
-            model,
-            law,
-            bodies,
-            (nodes, inverse_mass),
-            (fastest + quickest) * dt,
-        );
-        let mut speed = self.floors.push(law, bodies, (nodes, rates), forces);
-        let position = |v: u32| vector(&nodes[v as usize]);
+        self.look(model, law, bodies, nodes, (fastest + quickest) * dt);
+        let [speed, relative] = self.speeds_near(bodies, (nodes, rates), quickest == 0.0);
+        self.haste = self.haste.max(relative * dt / law.offset.max(law.limit()));
+        let way = (speed + quickest) * dt;
+        self.narrow(law, bodies, (nodes, inverse_mass), way);
+        self.floors.push(law, bodies, (nodes, rates), forces);
         self.spots.clear();
         for (i, body) in bodies.iter().enumerate() {
-            let (near, shared) = (&self.nearby[i], &self.shared[i][..]);
-            let others = shared.iter().flat_map(|side| &side.vertices);
-            for &v in near.rim().iter().chain(others) {
-                let motion = vector(&rates[v as usize]) - body.velocity_at(&position(v));
-                speed = speed.max(motion.norm_squared().sqrt());
-            }
-            let sheet = (&model.mesh, &model.features, position);
+            let near = self.soon[i].as_ref().unwrap_or(&self.nearby[i]);
+            let sheet = (&model.mesh, &model.features, |v: u32| {
+                vector(&nodes[v as usize])
+            });
             let (search, spots) = (&mut self.search, &mut self.spots);
-            search.spots(sheet, (i as u32, body), (near, shared), law.offset, spots);
+            let near = (near, &self.shared[i][..]);
+            search.spots(sheet, (i as u32, body), near, law.offset, spots);
         }
         for spot in &self.spots {
             let force = lanes(&(spot.normal * law.force(spot.share, spot.distance)));
@@ -114,7 +117,6 @@ impl Meeting {
             }
         }
         impulse::motions(model, &self.spots, rates, &mut self.motions);
-        self.haste = self.haste.max(speed * dt / law.offset.max(law.limit()));
         if quickest > 0.0 {
             state.ledger.supports += self.work_of_obstacles(model, law, bodies, nodes);
         }
@@ -191,7 +193,7 @@ impl Meeting {
         model: &Model,
         law: &ContactLaw,
         bodies: &[Obstacle],
-        (nodes, inverse_mass): (&[Lanes], &[Lanes]),
+        nodes: &[Lanes],
         way: f64,
     ) {
         self.allowance = self.allowance.map(|allowance| allowance - way);
@@ -218,8 +220,53 @@ impl Meeting {
             body.all_to_local(close.map(|&v| &positions[v as usize]))
         };
         self.starts = bodies.iter().zip(&self.nearby).map(places).collect();
-        self.shared = self.floors.sort(&self.nearby, inverse_mass);
         self.allowance = [MARGIN, FAR];
+        self.sliver = f64::NEG_INFINITY;
+    }
+
+    /// Largest speed of what is near, and the largest against an obstacle \[m/s\].
+    fn speeds_near(
+        &self,
+        bodies: &[Obstacle],
+        (nodes, rates): (&[Lanes], &[Lanes]),
+        still: bool,
+    ) -> [f64; 2] {
+        let (mut square, mut relative): (f64, f64) = (0.0, 0.0);
+        for (body, near) in bodies.iter().zip(&self.nearby) {
+            for &v in near.vertices() {
+                let rate = rates[v as usize];
+                square = square.max(dot(rate, rate));
+                if !still {
+                    let ground = body.velocity_at(&vector(&nodes[v as usize]));
+                    relative = relative.max((vector(&rate) - ground).norm_squared());
+                }
+            }
+        }
+        [square, if still { square } else { relative }].map(f64::sqrt)
+    }
+
+    /// Collects what may touch soon, after what is near may have moved by `way` against the obstacles.
+    fn narrow(
+        &mut self,
+        law: &ContactLaw,
+        bodies: &[Obstacle],
+        (nodes, inverse_mass): (&[Lanes], &[Lanes]),
+        way: f64,
+    ) {
+        self.sliver -= way;
+        if self.sliver >= 0.0 {
+            return;
+        }
+        let position = |v: u32| vector(&nodes[v as usize]);
+        let narrow =
+            |(near, body): (&Nearby, &Obstacle)| near.narrow(position, body, law.offset, SLIVER);
+        self.soon = self.nearby.iter().zip(bodies).map(narrow).collect();
+        let soon = self.soon.iter().zip(&self.nearby);
+        let soon: Vec<&Nearby> = soon
+            .map(|(soon, all)| soon.as_ref().unwrap_or(all))
+            .collect();
+        self.shared = self.floors.sort(&soon, inverse_mass);
+        self.sliver = SLIVER;
     }
 
     /// How far anything close to an obstacle has moved against it since \[m\].
