@@ -73,7 +73,7 @@ impl Shape {
     #[inline]
     pub(super) fn first_order(&self, p: &Vector3<f64>) -> (f64, Vector3<f64>) {
         if let Self::Box { size } = self
-            && let Some(first) = beside_one_side(p, &(Vector3::from(*size) * 0.5))
+            && let Some(first) = beyond_cuboid(p, &(Vector3::from(*size) * 0.5))
         {
             return first;
         }
@@ -215,15 +215,12 @@ fn cuboid(p: &Vector3<f64>, half: &Vector3<f64>) -> Distance {
     flat(q[axis], normal)
 }
 
-/// What [`cuboid`] finds beyond one side of the box alone, without roots.
+/// What [`cuboid`] finds outside, without a branch for the sides that the point is beyond.
 #[inline(always)]
-fn beside_one_side(p: &Vector3<f64>, half: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
-    let q = p.abs() - half;
-    let beyond = |k: usize| q[k] > 0.0 && q[(k + 1) % 3] <= 0.0 && q[(k + 2) % 3] <= 0.0;
-    let axis = (0..3).find(|&k| beyond(k))?;
-    let mut normal = Vector3::zeros();
-    normal[axis] = 1f64.copysign(p[axis]);
-    Some((q[axis], normal))
+fn beyond_cuboid(p: &Vector3<f64>, half: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
+    let away = p.zip_map(half, |c, half| (c.abs() - half).max(0.0).copysign(c));
+    let length = away.norm();
+    (length > TINY).then(|| (length, away / length))
 }
 
 /// Cylinder about z of half length `half`; with `half` zero, a disc with two sides.

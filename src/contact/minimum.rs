@@ -121,12 +121,10 @@ fn beside_box(half: &Vector3<f64>, ends: [Vector3<f64>; 2], start: f64) -> Optio
         for k in 0..3 {
             let c = ends[0][k] + along[k] * t;
             let beyond = c.abs() - half[k];
-            if beyond > 0.0 {
-                now[k] = 1f64.copysign(c);
-                let outward = along[k] * now[k];
-                slope += outward * beyond;
-                bend += outward * outward;
-            }
+            now[k] = if beyond > 0.0 { 1f64.copysign(c) } else { 0.0 };
+            let outward = along[k] * now[k];
+            slope += outward * beyond;
+            bend += outward * outward;
         }
         if bend == 0.0 {
             return None;

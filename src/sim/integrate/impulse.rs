@@ -53,7 +53,7 @@ impl Taken {
 }
 
 /// A contact and what it touches.
-struct Grip {
+pub struct Grip {
     bite: Bite,
     /// Vertices that bear it, as many as `count`, with their weights.
     vertices: [u32; 3],
@@ -72,7 +72,8 @@ pub fn motions(model: &Model, spots: &[Spot], rates: &[Lanes], motions: &mut Vec
     }));
 }
 
-/// Brakes `rates` in contact over a substep of `dt`; `before` has the [`motions`] of the half step before.
+/// Brakes `rates` in contact over a substep of `dt`; `before` has the [`motions`] of the half step before, `grips` is work
+/// space.
 ///
 /// An impulse works on the mean of the half-step velocities before and after all impulses of the substep, those of
 /// the elastic forces too. With the velocity after them, weight would do work on friction where nothing moves.
@@ -84,11 +85,13 @@ pub fn brake(
     nodes: &[Lanes],
     rates: &mut [Lanes],
     dt: f64,
+    grips: &mut Vec<Grip>,
 ) -> Taken {
-    let mut grips = grips(model, law, (obstacles, spots), inverse_mass, nodes, dt);
-    settle(&mut grips, inverse_mass, rates);
+    let touching = (obstacles, spots);
+    collect(model, law, touching, inverse_mass, nodes, dt, grips);
+    settle(grips, inverse_mass, rates);
     let mut taken = Taken::default();
-    for grip in &grips {
+    for grip in &*grips {
         let before = before[grip.at] - grip.bite.ground;
         taken.add(grip.bite.taken(&before, &grip.motion(rates)));
     }
@@ -105,7 +108,8 @@ pub fn loads(
     rates: &mut [Lanes],
     dt: f64,
 ) -> Vec<(u64, f64, Vector3<f64>)> {
-    let mut grips = grips(model, law, touching, inverse_mass, nodes, dt);
+    let mut grips = vec![];
+    collect(model, law, touching, inverse_mass, nodes, dt, &mut grips);
     settle(&mut grips, inverse_mass, rates);
     let load = |grip: &Grip| {
         let bite = &grip.bite;
@@ -138,15 +142,16 @@ fn settle(grips: &mut [Grip], inverse_mass: &[Lanes], rates: &mut [Lanes]) {
     }
 }
 
-fn grips(
+fn collect(
     model: &Model,
     law: &ContactLaw,
     (obstacles, spots): (&[Obstacle], &[Spot]),
     inverse_mass: &[Lanes],
     nodes: &[Lanes],
     dt: f64,
-) -> Vec<Grip> {
-    let mut grips = Vec::with_capacity(spots.len());
+    grips: &mut Vec<Grip>,
+) {
+    grips.clear();
     for (at, spot) in spots.iter().enumerate() {
         let obstacle = &obstacles[spot.obstacle as usize];
         let face = model.mesh.faces[spot.face as usize];
@@ -180,7 +185,6 @@ fn grips(
             at,
         });
     }
-    grips
 }
 
 fn largest(lanes: &Lanes) -> f64 {

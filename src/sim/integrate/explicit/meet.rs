@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::super::impulse::{self, Taken};
+use super::super::impulse::{self, Grip, Taken};
 use super::super::stable::quickest;
 use super::floors::Floors;
 use crate::contact::{FAR, Nearby, Obstacle, Pose, Search, Side, Spot};
@@ -39,6 +39,7 @@ pub struct Meeting {
     spots: Vec<Spot>,
     /// Velocities of the spots in the half step before \[m/s\].
     motions: Vec<Vector3<f64>>,
+    grips: Vec<Grip>,
     /// Where moving obstacles were before the substep, and how far drawn in \[m\].
     before: Vec<(Pose, f64)>,
     haste: f64,
@@ -62,6 +63,7 @@ impl Meeting {
             search: Search::default(),
             spots: vec![],
             motions: vec![],
+            grips: vec![],
             before: vec![],
             haste: 0.0,
         }
@@ -124,7 +126,7 @@ impl Meeting {
 
     /// Brakes `rates` in contact over a substep of `dt`.
     pub fn brake(
-        &self,
+        &mut self,
         model: &Model,
         state: &mut State,
         (inverse_mass, nodes): (&[Lanes], &[Lanes]),
@@ -136,6 +138,7 @@ impl Meeting {
         let sheet = (inverse_mass, nodes);
         let mut taken: Taken = self.floors.brake(model, law, bodies, sheet, rates, dt);
         let touching = (bodies, &self.spots[..], &self.motions[..]);
+        let grips = &mut self.grips;
         taken.add(impulse::brake(
             model,
             law,
@@ -144,6 +147,7 @@ impl Meeting {
             nodes,
             rates,
             dt,
+            grips,
         ));
         taken.book(&mut state.ledger);
     }

@@ -11,7 +11,8 @@ pub struct Bite {
     normal: Vector3<f64>,
     /// Velocity of the obstacle there \[m/s\].
     pub ground: Vector3<f64>,
-    /// Inverse of the mass that the point feels \[1/kg\].
+    /// Mass that the point feels \[kg\], and its inverse.
+    mass: f64,
     lightness: f64,
     /// Coefficient of friction, sliding and not sliding \[-\].
     pub friction: f64,
@@ -40,15 +41,17 @@ impl Bite {
         [friction, sticking]: [f64; 2],
         dt: f64,
     ) -> Self {
+        let mass = 1.0 / lightness;
         let [_, slope, stiffness] = law.psi(distance - law.offset);
         Self {
             normal,
             ground,
+            mass,
             lightness,
             friction,
             sticking,
             load: -share * slope * dt,
-            damping: 2.0 * (share * stiffness / lightness).sqrt() * dt,
+            damping: 2.0 * (share * stiffness * mass).sqrt() * dt,
             deep: law.offset - distance > law.limit(),
             braked: 0.0,
             impulse: Vector3::zeros(),
@@ -73,7 +76,7 @@ impl Bite {
         if speed >= 0.0 {
             return Vector3::zeros();
         }
-        let impulse = -speed / self.lightness;
+        let impulse = -speed * self.mass;
         self.load += impulse;
         self.braked += impulse;
         self.normal * impulse
@@ -96,7 +99,7 @@ impl Bite {
     #[inline]
     pub fn tighten(&mut self, motion: &Vector3<f64>) -> Vector3<f64> {
         let limit = self.friction * self.load;
-        let mut impulse = self.impulse - self.slip(motion) / self.lightness;
+        let mut impulse = self.impulse - self.slip(motion) * self.mass;
         let square = impulse.norm_squared();
         if square > limit * limit {
             impulse *= limit / square.sqrt();
