@@ -45,12 +45,12 @@ impl Obstacle {
         &self,
         points: impl Iterator<Item = &'a Vector3<f64>>,
     ) -> Vec<Vector3<f64>> {
-        let into = self.into_local();
-        points.map(into).collect()
+        let frame = self.frame();
+        points.map(frame).collect()
     }
 
     /// What takes a point of the world to the obstacle's frame.
-    pub(super) fn into_local(&self) -> impl Fn(&Vector3<f64>) -> Vector3<f64> + use<> {
+    pub(super) fn frame(&self) -> impl Fn(&Vector3<f64>) -> Vector3<f64> + use<> {
         let turn = self.pose.rotation.to_rotation_matrix();
         let turn = turn.into_inner().transpose();
         let origin = self.pose.translation.vector;

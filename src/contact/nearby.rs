@@ -122,8 +122,8 @@ impl Nearby {
         if let Shape::Mesh(_) = &body.shape {
             return None;
         }
-        let into = body.into_local();
-        let local: Vec<_> = self.vertices.iter().map(|&v| into(&position(v))).collect();
+        let frame = body.frame();
+        let local: Vec<_> = self.vertices.iter().map(|&v| frame(&position(v))).collect();
         let sheet = Sheet {
             shape: &body.shape,
             firsts: local.iter().map(|p| body.shape.first_order(p)).collect(),

@@ -91,7 +91,7 @@ impl Search {
         mut add: impl FnMut(Place),
     ) {
         let reach = reach - body.overlap.depth;
-        let local = body.into_local();
+        let local = body.frame();
         self.local.clear();
         let places = nearby.rim.iter().map(|&v| local(&position(v)));
         self.local.extend(places);

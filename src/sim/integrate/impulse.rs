@@ -81,14 +81,13 @@ pub fn brake(
     model: &Model,
     law: &ContactLaw,
     (obstacles, spots, before): (&[Obstacle], &[Spot], &[Vector3<f64>]),
-    inverse_mass: &[Lanes],
-    nodes: &[Lanes],
+    (inverse_mass, nodes): (&[Lanes], &[Lanes]),
     rates: &mut [Lanes],
     dt: f64,
     grips: &mut Vec<Grip>,
 ) -> Taken {
-    let touching = (obstacles, spots);
-    collect(model, law, touching, inverse_mass, nodes, dt, grips);
+    let sheet = (inverse_mass, nodes);
+    collect(model, law, (obstacles, spots), sheet, dt, grips);
     settle(grips, inverse_mass, rates);
     let mut taken = Taken::default();
     for grip in &*grips {
@@ -103,13 +102,12 @@ pub fn loads(
     model: &Model,
     law: &ContactLaw,
     touching: (&[Obstacle], &[Spot]),
-    inverse_mass: &[Lanes],
-    nodes: &[Lanes],
+    (inverse_mass, nodes): (&[Lanes], &[Lanes]),
     rates: &mut [Lanes],
     dt: f64,
 ) -> Vec<(u64, f64, Vector3<f64>)> {
     let mut grips = vec![];
-    collect(model, law, touching, inverse_mass, nodes, dt, &mut grips);
+    collect(model, law, touching, (inverse_mass, nodes), dt, &mut grips);
     settle(&mut grips, inverse_mass, rates);
     let load = |grip: &Grip| {
         let bite = &grip.bite;
@@ -146,8 +144,7 @@ fn collect(
     model: &Model,
     law: &ContactLaw,
     (obstacles, spots): (&[Obstacle], &[Spot]),
-    inverse_mass: &[Lanes],
-    nodes: &[Lanes],
+    (inverse_mass, nodes): (&[Lanes], &[Lanes]),
     dt: f64,
     grips: &mut Vec<Grip>,
 ) {

@@ -52,7 +52,8 @@ impl Explicit {
         if let Some(law) = &model.contact {
             let spots: Vec<_> = touch.proximities.iter().map(Proximity::spot).collect();
             let touching = (&touch.obstacles[..], &spots[..]);
-            loads.obstacles = impulse::loads(model, law, touching, masses, &nodes, &mut rates, dt);
+            loads.obstacles =
+                impulse::loads(model, law, touching, (masses, &nodes), &mut rates, dt);
         }
         if let Some(law) = &model.layers {
             loads.layers = folds::loads(law, pairs, masses, &mut rates, dt);

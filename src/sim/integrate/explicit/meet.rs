@@ -21,19 +21,20 @@ const LEFT: f64 = 0.3;
 
 /// Contact with obstacles, with its work space.
 pub struct Meeting {
+    /// What may touch each obstacle before anything has moved by [`MARGIN`].
     nearby: Vec<Nearby>,
     /// Where the vertices that are close to each obstacle were in its frame when `nearby` was collected \[m\].
     starts: Vec<Vec<Vector3<f64>>>,
     /// Motion that `nearby` still allows what is close, and the rest \[m\].
     allowance: [f64; 2],
-    /// Of that, what may touch soon: `None` where it is all of it.
+    /// Of `nearby`, what may touch before anything has moved by [`SLIVER`]: `None` where it is all of it.
     soon: Vec<Option<Nearby>>,
     /// Motion that `soon` still allows what is near \[m\].
     sliver: f64,
     floors: Floors,
     /// Vertices over flat sides that are not in `floors`, by obstacle.
     shared: Vec<Vec<Side>>,
-    /// Positions \[m\], now and then up to date, shape \[vertices\].
+    /// Positions when they were needed last \[m\], shape \[vertices\].
     positions: Vec<Vector3<f64>>,
     search: Search,
     spots: Vec<Spot>,
@@ -124,30 +125,22 @@ impl Meeting {
         }
     }
 
-    /// Brakes `rates` in contact over a substep of `dt`.
+    /// Brakes `rates` in contact over a substep of `dt`; `sheet` has 1/m and the nodes.
     pub fn brake(
         &mut self,
         model: &Model,
         state: &mut State,
-        (inverse_mass, nodes): (&[Lanes], &[Lanes]),
+        sheet: (&[Lanes], &[Lanes]),
         rates: &mut [Lanes],
         dt: f64,
     ) {
         let Some(law) = &model.contact else { return };
         let bodies = &state.obstacles[..];
-        let sheet = (inverse_mass, nodes);
         let mut taken: Taken = self.floors.brake(model, law, bodies, sheet, rates, dt);
         let touching = (bodies, &self.spots[..], &self.motions[..]);
         let grips = &mut self.grips;
         taken.add(impulse::brake(
-            model,
-            law,
-            touching,
-            inverse_mass,
-            nodes,
-            rates,
-            dt,
-            grips,
+            model, law, touching, sheet, rates, dt, grips,
         ));
         taken.book(&mut state.ledger);
     }
