@@ -8,9 +8,10 @@ use nalgebra::Vector3;
 
 use super::distance::Distance;
 use super::layers;
-use super::minimum::{First, within_edge, within_face};
+use super::nearby::Nearby;
 use super::obstacle::{Obstacle, Shape};
-use super::surface::{self, Candidates, Found, Part, Surface};
+use super::search::{Place, Search, Spot};
+use super::surface::Part;
 use crate::sheet::Mesh;
 
 /// A point of the sheet near an obstacle.
@@ -35,6 +36,19 @@ pub struct Proximity {
 }
 
 impl Proximity {
+    /// What forces need of it.
+    pub fn spot(&self) -> Spot {
+        Spot {
+            key: self.key,
+            obstacle: self.obstacle,
+            face: self.face,
+            weights: self.weights,
+            share: self.share,
+            distance: self.distance.value,
+            normal: self.distance.normal,
+        }
+    }
+
     /// In how many ways the point can slide on its feature: 0 at a vertex, 1 in an edge, 2 in a face.
     pub fn freedom(&self) -> usize {
         self.weights.iter().filter(|&&w| w > 0.0).count() - 1
@@ -53,12 +67,12 @@ impl Proximity {
 }
 
 /// Bits of a key below the obstacle.
-const FEATURE_BITS: u32 = 40;
+pub(super) const FEATURE_BITS: u32 = 40;
 /// Bits of the obstacle, above which stands the number of a contact among those of one feature.
-const OBSTACLE_BITS: u32 = 16;
+pub(super) const OBSTACLE_BITS: u32 = 16;
 const OBSTACLE_MASK: u64 = ((1 << OBSTACLE_BITS) - 1) << FEATURE_BITS;
 
-fn key(obstacle: u32, kind: u64, feature: u32) -> u64 {
+pub(super) fn key(obstacle: u32, kind: u64, feature: u32) -> u64 {
     (u64::from(obstacle) << FEATURE_BITS) | (kind << 36) | u64::from(feature)
 }
 
@@ -108,7 +122,7 @@ impl Features {
     }
 
     /// A face of a vertex, with the weights of the vertex in it.
-    fn on_vertex(&self, vertex: usize) -> (u32, [f64; 3]) {
+    pub(super) fn on_vertex(&self, vertex: usize) -> (u32, [f64; 3]) {
         let (face, corner) = self.vertex[vertex];
         let mut weights = [0.0; 3];
         weights[corner as usize] = 1.0;
@@ -116,7 +130,7 @@ impl Features {
     }
 
     /// A face of an edge, with the weights in it of a point at a fraction of the way along the edge.
-    fn on_edge(&self, mesh: &Mesh, edge: usize, t: f64) -> (u32, [f64; 3]) {
+    pub(super) fn on_edge(&self, mesh: &Mesh, edge: usize, t: f64) -> (u32, [f64; 3]) {
         let (face, corner) = self.edge[edge];
         let mut weights = [0.0; 3];
         for k in (0..3).filter(|&k| k != corner as usize) {
@@ -124,127 +138,6 @@ impl Features {
             weights[k] = if at_a { 1.0 - t } else { t };
         }
         (face, weights)
-    }
-}
-
-/// Features of the sheet that can come closer to an obstacle than a reach, and nearer there than anywhere on their
-/// rim: all that [`detect`] must look at.
-#[derive(Clone, Debug, Default)]
-pub struct Nearby {
-    /// Vertices near, and all ends of the edges and corners of the faces below.
-    vertices: Vec<u32>,
-    edges: Vec<u32>,
-    faces: Vec<u32>,
-    /// Where the ends of the edges stand in `vertices`.
-    edge_slots: Vec<[u32; 2]>,
-    /// Where the corners of the faces stand in `vertices`.
-    face_slots: Vec<[u32; 3]>,
-    /// What may come near to a triangle mesh, in place of edges and faces.
-    candidates: Candidates,
-}
-
-impl Nearby {
-    /// What may come near to a triangle mesh, with the vertices of all of it.
-    pub(super) fn of_surface(vertices: Vec<u32>, candidates: Candidates) -> Self {
-        Self {
-            vertices,
-            candidates,
-            ..Self::default()
-        }
-    }
-
-    /// The vertices that may be near, and all ends of the edges and corners of the faces that may be.
-    pub fn vertices(&self) -> &[u32] {
-        &self.vertices
-    }
-
-    /// Collects the features that may be closer to `body` than `reach` before anything has moved by `margin` against
-    /// it; distance has Lipschitz constant 1. Over a flat side it is linear, and nearest at vertices.
-    pub fn find(
-        mesh: &Mesh,
-        positions: &[Vector3<f64>],
-        body: &Obstacle,
-        reach: f64,
-        margin: f64,
-    ) -> Self {
-        let local = body.all_to_local(positions.iter());
-        if let Shape::Mesh(surface) = &body.shape {
-            let deep = surface.is_closed() && body.overlap.depth > 0.0;
-            let reach = reach - body.overlap.depth;
-            return surface::find(mesh, &local, surface, (reach, margin, deep));
-        }
-        let reach = reach + margin - body.overlap.depth;
-        let firsts: Vec<First> = local.iter().map(|p| body.shape.first_order(p)).collect();
-        let values: Vec<f64> = firsts.iter().map(|first| first.0).collect();
-        let straight = |p| body.shape.straight(p) > margin;
-        let straight: Vec<bool> = local.iter().map(straight).collect();
-        let over_one_side = |nodes: &[u32]| {
-            let normal = firsts[nodes[0] as usize].1;
-            let mut nodes = nodes.iter().map(|&v| v as usize);
-            nodes.all(|v| straight[v] && firsts[v].1 == normal)
-        };
-        let mut near: Vec<bool> = values.iter().map(|&value| value < reach).collect();
-        let position = |v: u32| local[v as usize];
-        let is_near = |e: &u32| {
-            let [a, b] = mesh.edges[*e as usize];
-            let length = (position(b) - position(a)).norm();
-            !over_one_side(&[a, b])
-                && 0.5 * (values[a as usize] + values[b as usize] - length) < reach
-        };
-        let edges: Vec<u32> = (0..mesh.edges.len() as u32).filter(is_near).collect();
-        let is_near = |f: &u32| {
-            let [a, b, c] = mesh.faces[*f as usize];
-            let centre = (position(a) + position(b) + position(c)) / 3.0;
-            let radius = [a, b, c].map(|v| (position(v) - centre).norm());
-            let radius = radius[0].max(radius[1]).max(radius[2]);
-            let lowest = [a, b, c].map(|v| values[v as usize]);
-            !over_one_side(&[a, b, c])
-                && lowest[0].min(lowest[1]).min(lowest[2]) - 2.0 * radius < reach
-                && body.shape.first_order(&centre).0 - radius < reach
-        };
-        let faces: Vec<u32> = (0..mesh.faces.len() as u32).filter(is_near).collect();
-        for &e in &edges {
-            mesh.edges[e as usize]
-                .iter()
-                .for_each(|&v| near[v as usize] = true);
-        }
-        for &f in &faces {
-            mesh.faces[f as usize]
-                .iter()
-                .for_each(|&v| near[v as usize] = true);
-        }
-        let vertices: Vec<u32> = (0..near.len() as u32)
-            .filter(|&v| near[v as usize])
-            .collect();
-        let slot = |v: u32| vertices.binary_search(&v).expect("every end is listed") as u32;
-        let edge_slots = edges
-            .iter()
-            .map(|&e| mesh.edges[e as usize].map(slot))
-            .collect();
-        let face_slots = faces
-            .iter()
-            .map(|&f| mesh.faces[f as usize].map(slot))
-            .collect();
-        Self {
-            vertices,
-            edges,
-            faces,
-            edge_slots,
-            face_slots,
-            candidates: Candidates::default(),
-        }
-    }
-}
-
-/// How deep the middle of the sheet is inside an obstacle that is a closed mesh \[m\], not negative; 0 for others, which see
-/// the sheet wherever it is.
-pub fn depth_inside(mesh: &Mesh, positions: &[Vector3<f64>], body: &Obstacle) -> f64 {
-    match &body.shape {
-        Shape::Mesh(surface) if surface.is_closed() => {
-            let local = body.all_to_local(positions.iter());
-            surface::depth_inside(mesh, &local, surface)
-        }
-        _ => 0.0,
     }
 }
 
@@ -259,107 +152,36 @@ pub fn detect(
     reach: f64,
     found: &mut Vec<Proximity>,
 ) {
-    let (index, body) = obstacle;
-    let reach = reach - body.overlap.depth;
-    let local = body.all_to_local(nearby.vertices.iter().map(|&v| &positions[v as usize]));
-    if let Shape::Mesh(surface) = &body.shape {
-        let mut near = vec![];
-        surface::detect(
-            (mesh, surface),
-            &nearby.candidates,
-            &local,
-            reach,
-            &mut near,
-        );
-        let proximities = near
-            .iter()
-            .map(|near| near_surface((mesh, features), obstacle, surface, near));
-        found.extend(proximities);
-        return;
-    }
-    let values: Vec<First> = local.iter().map(|p| body.shape.first_order(p)).collect();
-    let key = |kind: u64, feature: u32| key(index, kind, feature);
-    let mut add = |key, face, weights, share, at: &Vector3<f64>| {
-        let distance = body.to_world(&body.shape.distance(at));
+    let (_, body) = obstacle;
+    let position = |v: u32| positions[v as usize];
+    let first = found.len();
+    let add = |place: Place| {
+        let distance = match (&body.shape, place.part) {
+            (Shape::Mesh(surface), Some(part)) => surface.distance_to(part, &place.at),
+            (shape, _) => shape.distance(&place.at),
+        };
         found.push(Proximity {
-            key,
-            obstacle: index,
-            face,
-            weights,
-            share,
-            distance,
-            part: None,
+            key: place.key,
+            obstacle: place.obstacle,
+            face: place.face,
+            weights: place.weights,
+            share: place.share,
+            distance: body.to_world(&distance),
+            part: place.part,
         });
     };
-    for (i, &v) in nearby.vertices.iter().enumerate() {
-        if values[i].0 < reach {
-            let (face, weights) = features.on_vertex(v as usize);
-            add(key(0, v), face, weights, 1.0, &local[i]);
-        }
-    }
-    // Minima of the edges, by edge, kept for the faces that they bound.
-    let edges = nearby.edges.iter().zip(&nearby.edge_slots);
-    let within = |(&e, slots): (&u32, &[u32; 2])| {
-        let [a, b] = slots.map(|i| i as usize);
-        let (ends, values) = ([local[a], local[b]], [&values[a], &values[b]]);
-        let minimum = within_edge(&body.shape, ends, values, reach)?;
-        Some((e, *slots, minimum))
-    };
-    let minima: Vec<(u32, [u32; 2], (f64, First))> = edges.filter_map(within).collect();
-    for &(e, slots, (t, first)) in &minima {
-        if first.0 >= reach {
-            continue;
-        }
-        let ends = slots.map(|i| local[i as usize]);
-        let (face, weights) = features.on_edge(mesh, e as usize, t);
-        let at = ends[0] + (ends[1] - ends[0]) * t;
-        let rim = slots.map(|i| values[i as usize].0);
-        add(
-            key(1, e),
-            face,
-            weights,
-            share(rim[0].min(rim[1]) - first.0),
-            &at,
-        );
-    }
-    for (&f, slots) in nearby.faces.iter().zip(&nearby.face_slots) {
-        let corners = slots.map(|i| local[i as usize]);
-        let values = slots.map(|i| &values[i as usize]);
-        let rim = |k: usize| {
-            let e = mesh.face_edges[f as usize][k];
-            let (_, _, (t, first)) = minima[minima.binary_search_by_key(&e, |m| m.0).ok()?];
-            let forward = mesh.edges[e as usize][0] == mesh.faces[f as usize][(k + 1) % 3];
-            Some((if forward { t } else { 1.0 - t }, first))
-        };
-        if let Some((weights, lead)) = within_face(&body.shape, &corners, values, rim, reach) {
-            let at = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
-            add(key(2, f), f, weights, share(lead), &at);
-        }
-    }
-}
-
-/// A point near a triangle mesh, in the world.
-fn near_surface(
-    (mesh, features): (&Mesh, &Features),
-    (index, body): (u32, &Obstacle),
-    surface: &Surface,
-    near: &Found,
-) -> Proximity {
-    let feature = near.feature as usize;
-    let (face, weights) = match near.kind {
-        0 => features.on_vertex(feature),
-        1 => features.on_edge(mesh, feature, near.weights[1]),
-        _ => (near.feature, near.weights),
-    };
-    Proximity {
-        key: key(index, near.kind, near.feature)
-            | u64::from(near.number) << (FEATURE_BITS + OBSTACLE_BITS),
-        obstacle: index,
-        face,
-        weights,
-        share: near.share,
-        distance: body.to_world(&surface.distance_to(near.part, &near.at)),
-        part: Some(near.part),
+    let mut search = Search::default();
+    search.run(
+        (mesh, features, position),
+        obstacle,
+        (nearby, &nearby.sides),
+        reach,
+        add,
+    );
+    if !nearby.sides.is_empty() {
+        let vertices = found[first..].iter().take_while(|near| near.freedom() == 0);
+        let end = first + vertices.count();
+        found[first..end].sort_unstable_by_key(|near| near.key);
     }
 }
 

@@ -41,18 +41,20 @@ impl Obstacle {
     }
 
     /// Points of the world in the obstacle's frame.
-    pub(super) fn all_to_local<'a>(
+    pub fn all_to_local<'a>(
         &self,
         points: impl Iterator<Item = &'a Vector3<f64>>,
     ) -> Vec<Vector3<f64>> {
-        let turn = self
-            .pose
-            .rotation
-            .to_rotation_matrix()
-            .into_inner()
-            .transpose();
+        let frame = self.frame();
+        points.map(frame).collect()
+    }
+
+    /// What takes a point of the world to the obstacle's frame.
+    pub(super) fn frame(&self) -> impl Fn(&Vector3<f64>) -> Vector3<f64> + use<> {
+        let turn = self.pose.rotation.to_rotation_matrix();
+        let turn = turn.into_inner().transpose();
         let origin = self.pose.translation.vector;
-        points.map(|p| turn * (p - origin)).collect()
+        move |p| turn * (p - origin)
     }
 
     /// A distance found in the obstacle's frame, with its derivatives turned to the world's, from the surface that acts.
@@ -68,7 +70,13 @@ impl Obstacle {
 
 impl Shape {
     /// Value and normal alone: the compiler drops the rest of [`Shape::distance`].
+    #[inline]
     pub(super) fn first_order(&self, p: &Vector3<f64>) -> (f64, Vector3<f64>) {
+        if let Self::Box { size } = self
+            && let Some(first) = beyond_cuboid(p, &(Vector3::from(*size) * 0.5))
+        {
+            return first;
+        }
         let d = self.distance(p);
         (d.value, d.normal)
     }
@@ -94,6 +102,19 @@ impl Shape {
                 within(cap, p.x.hypot(p.y) - radius, p.z.abs())
             }
             Self::Sphere { .. } | Self::Capsule { .. } | Self::Mesh(_) => 0.0,
+        }
+    }
+
+    /// How far the flat side with such a normal is from the origin of the shape \[m\].
+    pub(super) fn level(&self, normal: &Vector3<f64>) -> f64 {
+        match *self {
+            Self::Box { size } => 0.5 * Vector3::from(size).dot(&normal.abs()),
+            Self::Cylinder { length, .. } => 0.5 * length,
+            Self::Plane
+            | Self::Disc { .. }
+            | Self::Sphere { .. }
+            | Self::Capsule { .. }
+            | Self::Mesh(_) => 0.0,
         }
     }
 
@@ -192,6 +213,14 @@ fn cuboid(p: &Vector3<f64>, half: &Vector3<f64>) -> Distance {
     let mut normal = Vector3::zeros();
     normal[axis] = sign[axis];
     flat(q[axis], normal)
+}
+
+/// What [`cuboid`] finds outside, without a branch for the sides that the point is beyond.
+#[inline(always)]
+fn beyond_cuboid(p: &Vector3<f64>, half: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
+    let away = p.zip_map(half, |c, half| (c.abs() - half).max(0.0).copysign(c));
+    let length = away.norm();
+    (length > TINY).then(|| (length, away / length))
 }
 
 /// Cylinder about z of half length `half`; with `half` zero, a disc with two sides.

@@ -2,12 +2,15 @@
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
+use super::detect::LEAD;
 use super::distance::Distance;
 use super::obstacle::Shape;
 
 /// Distance and normal.
 pub(super) type First = (f64, Vector3<f64>);
 
+/// Least weight of a corner inside of a face.
+const INSIDE: f64 = 1e-6;
 /// Golden sections across a face: 1e-3 of its width.
 const SECTIONS: usize = 14;
 /// Newton steps after the sections.
@@ -19,8 +22,53 @@ const ITERATIONS: usize = 60;
 /// Slope of the distance, or fraction of the line, at which a line minimisation stops.
 const FLAT: f64 = 1e-9;
 
-/// Minimum of the distance strictly inside an edge, at a fraction of the way; `None` also where it is surely out
-/// of reach.
+/// What the distance is not below on an edge, from its tangents at both ends, which a convex function lies above.
+#[inline]
+pub(super) fn least_on_edge(ends: [Vector3<f64>; 2], values: [&First; 2]) -> f64 {
+    match downhill_from_both(ends, values) {
+        Some(slopes) => crossing(values, slopes).1,
+        None => values[0].0.min(values[1].0),
+    }
+}
+
+/// The same on a face, from the tangent at one place of it.
+#[inline]
+pub(super) fn least_on_face(
+    corners: &[Vector3<f64>; 3],
+    (at, first): (&Vector3<f64>, &First),
+) -> f64 {
+    let rise = corners.map(|corner| first.1.dot(&(corner - at)));
+    first.0 + rise[0].min(rise[1]).min(rise[2])
+}
+
+/// The same from the tangents at the minima of its sides: that minimum itself, if it is on a side.
+pub(super) fn least_from_sides(
+    shape: &Shape,
+    corners: &[Vector3<f64>; 3],
+    values: [&First; 3],
+) -> f64 {
+    let on_side = |k: usize| {
+        let [i, j] = [(k + 1) % 3, (k + 2) % 3];
+        let (t, first) = minimum_of_side([corners[i], corners[j]], [values[i], values[j]], shape)?;
+        let at = corners[i] + (corners[j] - corners[i]) * t;
+        Some(least_on_face(corners, (&at, &first)))
+    };
+    (0..3).filter_map(on_side).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Minimum of the distance strictly inside an edge, wherever it is.
+fn minimum_of_side(
+    ends: [Vector3<f64>; 2],
+    values: [&First; 2],
+    shape: &Shape,
+) -> Option<(f64, First)> {
+    let slopes = downhill_from_both(ends, values)?;
+    let (start, _) = crossing(values, slopes);
+    Some(minimum_on_line(shape, ends, start))
+}
+
+/// Minimum of the distance strictly inside an edge, at a fraction of the way; `None` also where it is so far out of reach
+/// that a face with less has its full share.
 #[inline]
 pub(super) fn within_edge(
     shape: &Shape,
@@ -29,11 +77,8 @@ pub(super) fn within_edge(
     reach: f64,
 ) -> Option<(f64, First)> {
     let slopes = downhill_from_both(ends, values)?;
-    // A convex function lies above its tangents.
-    if values[0].0 + slopes[0] > reach || values[1].0 - slopes[1] > reach {
-        return None;
-    }
-    Some(minimum_on_line(shape, ends, values, slopes))
+    let (t, least) = crossing(values, slopes);
+    (least < reach + LEAD).then(|| minimum_on_line(shape, ends, t))
 }
 
 /// Derivatives of the distance along the way from the first point, at both, if it has a minimum strictly between.
@@ -44,19 +89,69 @@ fn downhill_from_both(ends: [Vector3<f64>; 2], values: [&First; 2]) -> Option<[f
     (slopes[0] < 0.0 && slopes[1] > 0.0).then_some(slopes)
 }
 
-/// Minimum of the distance strictly between two points where it falls from both, at a fraction of the way: Newton
-/// kept inside a bracket.
-fn minimum_on_line(
-    shape: &Shape,
-    ends: [Vector3<f64>; 2],
-    values: [&First; 2],
-    slopes: [f64; 2],
-) -> (f64, First) {
-    let along = ends[1] - ends[0];
-    let (mut low, mut high) = (0.0, 1.0);
-    // Where the tangents cross: near a sharp edge of the shape that is above it.
+/// Where the tangents at both ends cross, as a fraction of the way, and at what distance.
+#[inline]
+fn crossing(values: [&First; 2], slopes: [f64; 2]) -> (f64, f64) {
     let rise = values[1].0 - values[0].0;
-    let mut t = ((rise - slopes[1]) / (slopes[0] - slopes[1])).clamp(0.0, 1.0);
+    let t = ((rise - slopes[1]) / (slopes[0] - slopes[1])).clamp(0.0, 1.0);
+    (t, values[0].0 + slopes[0] * t)
+}
+
+/// Minimum of the distance strictly between two points where it falls from both, at a fraction of the way. The search
+/// begins where the tangents cross: near a sharp edge of the shape that is above it.
+#[inline]
+fn minimum_on_line(shape: &Shape, ends: [Vector3<f64>; 2], start: f64) -> (f64, First) {
+    if let Shape::Box { size } = shape {
+        let half = Vector3::from(*size) * 0.5;
+        if let Some(t) = beside_box(&half, ends, start) {
+            return (t, shape.first_order(&(ends[0] + (ends[1] - ends[0]) * t)));
+        }
+    }
+    newton_on_line(shape, ends, start)
+}
+
+/// The same outside of a box, `None` where the way leads into it. The square of the distance is quadratic as long as
+/// the way is beyond the same sides.
+fn beside_box(half: &Vector3<f64>, ends: [Vector3<f64>; 2], start: f64) -> Option<f64> {
+    let along = ends[1] - ends[0];
+    let (mut low, mut high, mut t) = (0.0, 1.0, start);
+    let mut sides = [0.0; 3];
+    for _ in 0..ITERATIONS {
+        let (mut slope, mut bend, mut now) = (0.0, 0.0, [0.0; 3]);
+        for k in 0..3 {
+            let c = ends[0][k] + along[k] * t;
+            let beyond = c.abs() - half[k];
+            now[k] = if beyond > 0.0 { 1f64.copysign(c) } else { 0.0 };
+            let outward = along[k] * now[k];
+            slope += outward * beyond;
+            bend += outward * outward;
+        }
+        if bend == 0.0 {
+            return None;
+        }
+        if now == sides || high - low <= FLAT {
+            return Some(t);
+        }
+        if slope < 0.0 {
+            low = t
+        } else {
+            high = t
+        }
+        let newton = t - slope / bend;
+        if newton > low && newton < high {
+            (t, sides) = (newton, now);
+        } else {
+            // Not where the square of these sides is least.
+            (t, sides) = (0.5 * (low + high), [0.0; 3]);
+        }
+    }
+    Some(t)
+}
+
+/// Newton kept inside a bracket.
+fn newton_on_line(shape: &Shape, ends: [Vector3<f64>; 2], start: f64) -> (f64, First) {
+    let along = ends[1] - ends[0];
+    let (mut low, mut high, mut t) = (0.0, 1.0, start);
     let mut distance = shape.distance(&(ends[0] + along * t));
     for _ in 0..ITERATIONS {
         let slope = distance.normal.dot(&along);
@@ -85,8 +180,8 @@ fn minimum_on_line(
 /// On a convex function a point of the rim from which no way into the face leads down is the minimum of the face,
 /// so only faces whose rim has no such point are searched.
 ///
-/// `rim` gives the minimum of the side opposite to a corner, where known: the fraction of the way from the next
-/// corner, distance and normal there.
+/// `rim` gives the minimum of the side opposite to a corner, where it has been looked for already: the fraction of the
+/// way from the next corner, distance and normal there.
 #[inline]
 pub(super) fn within_face(
     shape: &Shape,
@@ -108,23 +203,53 @@ pub(super) fn within_face(
             return None;
         }
     }
+    let above = match shape {
+        Shape::Box { size } => above_box(&(Vector3::from(*size) * 0.5), corners),
+        _ => None,
+    };
+    if above.is_some_and(|(weights, _)| !is_inside(&weights)) {
+        return None;
+    }
+    let side = |k: usize| {
+        let [i, j] = [(k + 1) % 3, (k + 2) % 3];
+        let ends = [corners[i], corners[j]];
+        rim(k).or_else(|| minimum_of_side(ends, [values[i], values[j]], shape))
+    };
+    let mut lowest = values[0].0.min(values[1].0).min(values[2].0);
     for k in 0..3 {
         let [a, b] = [corners[(k + 1) % 3], corners[(k + 2) % 3]];
-        if let Some((t, (_, normal))) = rim(k)
-            && normal.dot(&(corners[k] - a - (b - a) * t)) >= 0.0
-        {
+        let Some((t, (value, normal))) = side(k) else {
+            continue;
+        };
+        if normal.dot(&(corners[k] - a - (b - a) * t)) >= 0.0 {
             return None;
         }
+        lowest = lowest.min(value);
     }
-    let (weights, value) = minimum_inside(shape, corners);
-    let inside = weights.iter().all(|&w| w > 1e-6);
-    let sides = (0..3).filter_map(|k| rim(k).map(|(_, first)| first.0));
-    let lowest = values
-        .iter()
-        .map(|first| first.0)
-        .chain(sides)
-        .fold(f64::INFINITY, f64::min);
-    (inside && value < reach).then_some((weights, lowest - value))
+    let (weights, value) = above.unwrap_or_else(|| minimum_inside(shape, corners));
+    (is_inside(&weights) && value < reach).then_some((weights, lowest - value))
+}
+
+fn is_inside(weights: &[f64; 3]) -> bool {
+    weights.iter().all(|&w| w > INSIDE)
+}
+
+/// Minimum over the plane of a face, as weights of the corners and distance, where that plane passes a box: the foot of
+/// the corner of the box that is farthest that way.
+fn above_box(half: &Vector3<f64>, corners: &[Vector3<f64>; 3]) -> Option<([f64; 3], f64)> {
+    let [along, across] = [corners[1] - corners[0], corners[2] - corners[0]];
+    let normal = along.cross(&across);
+    let level = normal.dot(&corners[0]);
+    let rise = level.abs() - half.dot(&normal.abs());
+    if rise <= 0.0 {
+        return None;
+    }
+    let outward = normal * 1f64.copysign(level);
+    let tip = half.zip_map(&outward, f64::copysign) - corners[0];
+    let square = normal.norm_squared();
+    let weight = [tip.cross(&across), along.cross(&tip)].map(|part| part.dot(&normal) / square);
+    let weights = [1.0 - weight[0] - weight[1], weight[0], weight[1]];
+    Some((weights, rise / square.sqrt()))
 }
 
 /// Minimum over a face as the minimum over s of the minima on the lines from a + s (b - a) to c: the envelope of a
@@ -136,7 +261,10 @@ fn minimum_inside(shape: &Shape, corners: &[Vector3<f64>; 3]) -> ([f64; 3], f64)
         let foot = a + (b - a) * s;
         let at_foot = shape.first_order(&foot);
         match downhill_from_both([foot, c], [&at_foot, &at_c]) {
-            Some(slopes) => minimum_on_line(shape, [foot, c], [&at_foot, &at_c], slopes),
+            Some(slopes) => {
+                let (start, _) = crossing([&at_foot, &at_c], slopes);
+                minimum_on_line(shape, [foot, c], start)
+            }
             None if at_foot.0 < at_c.0 => (0.0, at_foot),
             None => (1.0, at_c),
         }

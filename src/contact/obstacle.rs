@@ -121,6 +121,11 @@ impl Obstacle {
         self.velocity.linear + self.velocity.angular.cross(&arm)
     }
 
+    /// Whether its surface stays where it is.
+    pub fn is_still(&self) -> bool {
+        !self.scripted && self.velocity == Velocity::default() && self.overlap.speed == 0.0
+    }
+
     /// Velocity of its surface at `x`, where the normal is `normal` \[m/s\]: that of the body, and out of it while it
     /// comes out of cloth that it was put into.
     pub fn surface_velocity(&self, x: &Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {

@@ -5,8 +5,8 @@ use parry3d_f64::bounding_volume::BoundingVolume;
 
 use super::detect::CAP;
 use super::{Point, Surface, box_around};
-use crate::contact::detect::Nearby;
 use crate::contact::layers::{point_to_face, segment_to_segment};
+use crate::contact::nearby::Nearby;
 use crate::sheet::Mesh;
 
 /// A part of the sheet with what it may come near to, in a list of [`Candidates`].
@@ -249,5 +249,5 @@ fn numbered(mesh: &Mesh, mut found: Candidates) -> Nearby {
     for row in &mut found.faces {
         row.slots = mesh.faces[row.feature as usize].map(slot);
     }
-    Nearby::of_surface(vertices, found)
+    Nearby::of_surface(mesh.material.len(), vertices, found)
 }

@@ -97,7 +97,12 @@ impl ContactLaw {
 
     /// Normal force of a proximity, not negative \[N\].
     pub fn normal_force(&self, near: &Proximity) -> f64 {
-        -near.share * self.psi(near.distance.value - self.offset)[1]
+        self.force(near.share, near.distance.value)
+    }
+
+    /// The same of a point with a share of the stiffness whose middle surface is at a distance \[m\].
+    pub fn force(&self, share: f64, distance: f64) -> f64 {
+        -share * self.psi(distance - self.offset)[1]
     }
 }
 

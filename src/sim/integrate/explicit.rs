@@ -8,19 +8,19 @@
 //! that they do not lower the stable limit, and never above what nothing notices or a solid sheet has, so they follow the
 //! positions.
 
+mod floors;
 mod last;
+mod meet;
 
+use meet::Meeting;
 use nalgebra::{Matrix3, Vector3};
 
 use super::folds::Folds;
 use super::held::{place, prescribed, rest_supports, work_of_supports};
-use super::impulse::{self, brake};
 use super::leap::{drift, kicked, swing};
 use super::stable::{
-    Limits, MARGIN, SAFETY, largest_frequency, layers, most_inertia, quickest, slope_stiffness,
-    stiffening,
+    Limits, SAFETY, largest_frequency, layers, most_inertia, slope_stiffness, stiffening,
 };
-use crate::contact::{Nearby, Obstacle};
 use crate::math::sparse::NO_SLOT;
 use crate::physics::Potential;
 use crate::physics::drag::Drag;
@@ -47,16 +47,8 @@ pub struct Explicit {
     /// m g \[N\], shape \[vertices\].
     weight: Vec<Lanes>,
     limits: Limits,
-    nearby: Vec<Nearby>,
-    /// Relative motion that `nearby` still allows \[m\].
-    allowance: f64,
-    /// Positions \[m\], up to date at the vertices of `nearby`, shape \[vertices\].
-    positions: Vec<Vector3<f64>>,
-    touch: Touch,
-    /// Velocities of the touching points in the half step before \[m/s\].
-    motions: Vec<Vector3<f64>>,
+    meeting: Meeting,
     folds: Folds,
-    haste: f64,
 }
 
 impl Explicit {
@@ -78,13 +70,8 @@ impl Explicit {
             drag: drag.map(|(c, m)| c / m).collect(),
             weight: (0..vertices).map(weight).collect(),
             limits: Limits::new(nodes, inertia),
-            nearby: vec![],
-            allowance: 0.0,
-            positions: nodes[..vertices].to_vec(),
-            touch: Touch::default(),
-            motions: vec![],
+            meeting: Meeting::new(vertices),
             folds: Folds::default(),
-            haste: 0.0,
         }
     }
 
@@ -126,9 +113,7 @@ impl Explicit {
         count: u64,
     ) -> (Touch, f64) {
         let vertices = model.masses.len();
-        // What was near before does not count: a step depends on the state alone, also after a command.
-        self.allowance = f64::NEG_INFINITY;
-        self.haste = 0.0;
+        self.meeting.begin();
         let mut nodes: Vec<Lanes> = state
             .positions
             .iter()
@@ -173,12 +158,10 @@ impl Explicit {
             );
             place(&held, &mut nodes);
             self.kernel.add_forces(&nodes, &mut forces);
-            if model.contact.is_some() {
-                let motion = (time, fastest, dt);
-                self.contact(model, state, &nodes, motion, &mut forces);
-                self.hurry(model, state, &rates, dt);
-                impulse::motions(model, &self.touch, &rates, &mut self.motions);
-            }
+            let (moving, masses) = ((&nodes[..], &rates[..]), &self.inverse_mass[..]);
+            let motion = (time, fastest, dt);
+            self.meeting
+                .push(model, state, moving, masses, motion, &mut forces);
             if let Some(law) = &model.layers {
                 let step = (dt, &self.inverse_mass[..]);
                 let moving = (&nodes[..], &rates[..]);
@@ -200,12 +183,8 @@ impl Explicit {
                     state.ledger.air += put;
                 }
             }
-            if let Some(law) = &model.contact {
-                let masses = &self.inverse_mass;
-                let touch = (&self.touch, &self.motions[..]);
-                let taken = brake(model, law, touch, masses, &nodes, &mut rates, dt);
-                taken.book(&mut state.ledger);
-            }
+            let sheet = (&self.inverse_mass[..], &nodes[..]);
+            self.meeting.brake(model, state, sheet, &mut rates, dt);
             if let Some(law) = &model.layers {
                 let taken = self.folds.rub(law, &self.inverse_mass, &mut rates, dt);
                 taken.book(&mut state.ledger);
@@ -234,7 +213,8 @@ impl Explicit {
         model.hold(state, model.script_time(state, moment(count)));
         rest_supports(model, state);
         state.ledger.supports += model.held_kinetic(state);
-        (self.touch.clone(), self.haste)
+        let touch = self.meeting.touch(model, state, &nodes);
+        (touch, self.meeting.haste())
     }
 
     /// Takes the vertices' rates from one half step to the next. Returns what damping took out \[J\].
@@ -291,67 +271,6 @@ impl Explicit {
             }
         }
         [taken, put]
-    }
-
-    /// Contact at the end of the drift, at a time since the start of the run.
-    fn contact(
-        &mut self,
-        model: &Model,
-        state: &mut State,
-        nodes: &[Lanes],
-        (time, fastest, dt): (f64, f64, f64),
-        forces: &mut [Lanes],
-    ) {
-        let Some(law) = &model.contact else { return };
-        let start = state.obstacles.clone();
-        model.move_obstacles(&mut state.obstacles, time, dt);
-        let turning = |body: &Obstacle| body.scripted || body.velocity.angular.norm() > 0.0;
-        let turns = start.iter().any(turning);
-        if turns {
-            self.refresh_all(nodes);
-        }
-        let speeds = start
-            .iter()
-            .map(|body| quickest(model, body, &self.positions));
-        let quickest = speeds.fold(0.0, f64::max);
-        self.allowance -= (fastest + quickest) * dt;
-        if self.allowance < 0.0 {
-            self.refresh_all(nodes);
-            let mesh = &model.mesh;
-            let find = |body| Nearby::find(mesh, &self.positions, body, law.offset, MARGIN);
-            self.nearby = state.obstacles.iter().map(find).collect();
-            self.allowance = MARGIN;
-        }
-        for &v in self.nearby.iter().flat_map(Nearby::vertices) {
-            self.positions[v as usize] = vector(&nodes[v as usize]);
-        }
-        self.touch.obstacles.clone_from(&state.obstacles);
-        let positions = &self.positions;
-        self.touch.find(model, law, positions, Some(&self.nearby));
-        for (v, push) in self.touch.pushes(model, law, positions) {
-            forces[v as usize] = add(forces[v as usize], lanes(&push));
-        }
-        if quickest > 0.0 {
-            state.ledger.supports += self.touch.work_of_obstacles(model, &start, positions);
-        }
-    }
-
-    /// Notes how fast what is near an obstacle moves against it.
-    fn hurry(&mut self, model: &Model, state: &State, rates: &[Lanes], dt: f64) {
-        let Some(law) = &model.contact else { return };
-        for (body, nearby) in state.obstacles.iter().zip(&self.nearby) {
-            let room = law.offset.max(law.limit());
-            for &v in nearby.vertices() {
-                let place = &self.positions[v as usize];
-                let motion = vector(&rates[v as usize]) - body.velocity_at(place);
-                self.haste = self.haste.max(motion.norm() * dt / room);
-            }
-        }
-    }
-
-    fn refresh_all(&mut self, nodes: &[Lanes]) {
-        let places = self.positions.iter_mut().zip(nodes);
-        places.for_each(|(place, node)| *place = vector(node));
     }
 }
 

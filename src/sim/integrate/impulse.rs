@@ -10,13 +10,17 @@
 //! remembered: a contact that opens and closes many times in a millisecond grips whenever it bears load, where an
 //! elastic bond would first have to be drawn out again each time.
 
+mod bite;
+
 use nalgebra::Vector3;
 
+pub use bite::Bite;
+
+use crate::contact::{Obstacle, Spot};
 use crate::physics::contact::{ContactLaw, weighted};
 use crate::sim::lanes::{Lanes, add, lanes, vector};
 use crate::sim::model::Model;
 use crate::sim::state::Ledger;
-use crate::sim::touch::{SLOW, Touch};
 
 /// Sweeps of friction over all contacts; one settles contacts that share no vertex.
 const SWEEPS: usize = 3;
@@ -33,6 +37,13 @@ pub struct Taken {
 }
 
 impl Taken {
+    /// Adds what another contact exchanged.
+    pub fn add(&mut self, other: Self) {
+        self.contact += other.contact;
+        self.friction += other.friction;
+        self.work += other.work;
+    }
+
     /// Enters it in a ledger.
     pub fn book(self, ledger: &mut Ledger) {
         ledger.friction += self.friction;
@@ -41,64 +52,47 @@ impl Taken {
     }
 }
 
-/// A contact as the sweep needs it.
-struct Grip {
-    /// Identity of the proximity.
-    key: u64,
+/// A contact and what it touches.
+pub struct Grip {
+    bite: Bite,
+    /// Vertices that bear it, as many as `count`, with their weights.
     vertices: [u32; 3],
     weights: [f64; 3],
-    normal: Vector3<f64>,
-    /// Velocity of the obstacle there \[m/s\].
-    ground: Vector3<f64>,
-    /// Inverse of the mass that the point feels \[1/kg\].
-    lightness: f64,
-    /// Coefficient of friction, sliding and not sliding \[-\].
-    friction: f64,
-    sticking: f64,
-    /// N dt \[N·s\].
-    load: f64,
-    /// Critical damping times dt \[kg\].
-    damping: f64,
-    /// Whether it is so deep that it must not go deeper.
-    deep: bool,
-    /// Of that damping \[N·s\].
-    braked: f64,
-    /// Of friction \[N·s\].
-    impulse: Vector3<f64>,
-    /// Place of the proximity in its list.
+    count: usize,
+    /// Place of the spot in its list.
     at: usize,
 }
 
-/// Velocities of the touching points \[m/s\], in the order of the proximities.
-pub fn motions(model: &Model, touch: &Touch, rates: &[Lanes], motions: &mut Vec<Vector3<f64>>) {
+/// Velocities of the touching points \[m/s\], in the order of the spots.
+pub fn motions(model: &Model, spots: &[Spot], rates: &[Lanes], motions: &mut Vec<Vector3<f64>>) {
     motions.clear();
-    motions.extend(touch.proximities.iter().map(|near| {
-        let face = &model.mesh.faces[near.face as usize];
-        weighted(&near.weights, &face.map(|v| vector(&rates[v as usize])))
+    motions.extend(spots.iter().map(|spot| {
+        let face = &model.mesh.faces[spot.face as usize];
+        weighted(&spot.weights, &face.map(|v| vector(&rates[v as usize])))
     }));
 }
 
-/// Brakes `rates` in contact over a substep of `dt`; `before` has the [`motions`] of the half step before.
+/// Brakes `rates` in contact over a substep of `dt`; `before` has the [`motions`] of the half step before, `grips` is work
+/// space.
 ///
 /// An impulse works on the mean of the half-step velocities before and after all impulses of the substep, those of
 /// the elastic forces too. With the velocity after them, weight would do work on friction where nothing moves.
 pub fn brake(
     model: &Model,
     law: &ContactLaw,
-    (touch, before): (&Touch, &[Vector3<f64>]),
-    inverse_mass: &[Lanes],
-    nodes: &[Lanes],
+    (obstacles, spots, before): (&[Obstacle], &[Spot], &[Vector3<f64>]),
+    (inverse_mass, nodes): (&[Lanes], &[Lanes]),
     rates: &mut [Lanes],
     dt: f64,
+    grips: &mut Vec<Grip>,
 ) -> Taken {
-    let mut grips = grips(model, law, touch, inverse_mass, nodes, dt);
-    settle(&mut grips, inverse_mass, rates);
+    let sheet = (inverse_mass, nodes);
+    collect(model, law, (obstacles, spots), sheet, dt, grips);
+    settle(grips, inverse_mass, rates);
     let mut taken = Taken::default();
-    for grip in &grips {
-        let mean = (before[grip.at] - grip.ground + grip.motion(rates)) * 0.5;
-        taken.contact -= grip.braked * grip.normal.dot(&mean);
-        taken.friction -= grip.impulse.dot(&mean);
-        taken.work += grip.ground.dot(&(grip.impulse + grip.normal * grip.braked));
+    for grip in &*grips {
+        let before = before[grip.at] - grip.bite.ground;
+        taken.add(grip.bite.taken(&before, &grip.motion(rates)));
     }
     taken
 }
@@ -107,86 +101,87 @@ pub fn brake(
 pub fn loads(
     model: &Model,
     law: &ContactLaw,
-    touch: &Touch,
-    inverse_mass: &[Lanes],
-    nodes: &[Lanes],
+    touching: (&[Obstacle], &[Spot]),
+    (inverse_mass, nodes): (&[Lanes], &[Lanes]),
     rates: &mut [Lanes],
     dt: f64,
 ) -> Vec<(u64, f64, Vector3<f64>)> {
-    let mut grips = grips(model, law, touch, inverse_mass, nodes, dt);
+    let mut grips = vec![];
+    collect(model, law, touching, (inverse_mass, nodes), dt, &mut grips);
     settle(&mut grips, inverse_mass, rates);
-    let loads = grips.iter();
-    loads
-        .map(|grip| (grip.key, grip.load / dt, grip.impulse / dt))
-        .collect()
+    let load = |grip: &Grip| {
+        let bite = &grip.bite;
+        (touching.1[grip.at].key, bite.load / dt, bite.impulse / dt)
+    };
+    grips.iter().map(load).collect()
 }
 
 fn settle(grips: &mut [Grip], inverse_mass: &[Lanes], rates: &mut [Lanes]) {
     for grip in &mut *grips {
-        grip.soften(inverse_mass, rates);
+        let impulse = grip.bite.soften(&grip.motion(rates));
+        grip.push(&impulse, inverse_mass, rates);
     }
     for _ in 0..SWEEPS {
-        for grip in grips.iter_mut().filter(|grip| grip.deep) {
-            grip.stop(inverse_mass, rates);
+        for grip in grips.iter_mut().filter(|grip| grip.bite.deep) {
+            let impulse = grip.bite.stop(&grip.motion(rates));
+            grip.push(&impulse, inverse_mass, rates);
         }
     }
-    for grip in grips
-        .iter_mut()
-        .filter(|grip| grip.sticking > grip.friction)
-    {
-        if grip.slip(rates).norm() < SLOW {
-            grip.friction = grip.sticking;
+    for grip in &mut *grips {
+        if grip.bite.may_stick() {
+            grip.bite.stick(&grip.motion(rates));
         }
     }
     for _ in 0..SWEEPS {
-        for grip in grips.iter_mut().filter(|grip| grip.friction > 0.0) {
-            grip.tighten(inverse_mass, rates);
+        for grip in grips.iter_mut().filter(|grip| grip.bite.friction > 0.0) {
+            let impulse = grip.bite.tighten(&grip.motion(rates));
+            grip.push(&impulse, inverse_mass, rates);
         }
     }
 }
 
-fn grips(
+fn collect(
     model: &Model,
     law: &ContactLaw,
-    touch: &Touch,
-    inverse_mass: &[Lanes],
-    nodes: &[Lanes],
+    (obstacles, spots): (&[Obstacle], &[Spot]),
+    (inverse_mass, nodes): (&[Lanes], &[Lanes]),
     dt: f64,
-) -> Vec<Grip> {
-    let mut grips = Vec::with_capacity(touch.proximities.len());
-    for (n, near) in touch.proximities.iter().enumerate() {
-        let obstacle = &touch.obstacles[near.obstacle as usize];
-        let vertices = model.mesh.faces[near.face as usize];
-        let at: Vector3<f64> = (0..3)
-            .map(|k| vector(&nodes[vertices[k] as usize]) * near.weights[k])
-            .sum();
-        let lightness: f64 = (0..3)
-            .map(|k| {
-                near.weights[k] * near.weights[k] * largest(&inverse_mass[vertices[k] as usize])
-            })
-            .sum();
+    grips: &mut Vec<Grip>,
+) {
+    grips.clear();
+    for (at, spot) in spots.iter().enumerate() {
+        let obstacle = &obstacles[spot.obstacle as usize];
+        let face = model.mesh.faces[spot.face as usize];
+        let (mut vertices, mut weights, mut count) = ([0; 3], [0.0; 3], 0);
+        let (mut point, mut lightness) = (Vector3::zeros(), 0.0);
+        for (v, w) in face.into_iter().zip(spot.weights) {
+            if w > 0.0 {
+                (vertices[count], weights[count]) = (v, w);
+                count += 1;
+                point += vector(&nodes[v as usize]) * w;
+                lightness += w * w * largest(&inverse_mass[v as usize]);
+            }
+        }
         if lightness == 0.0 {
             continue;
         }
-        let stiffness = near.share * law.psi(near.distance.value - law.offset)[2];
+        let ground = obstacle.surface_velocity(&point, &spot.normal);
+        let frictions = [obstacle.friction, model.sticking(obstacle)];
         grips.push(Grip {
-            key: near.key,
+            bite: Bite::new(
+                law,
+                (spot.share, spot.distance),
+                spot.normal,
+                (ground, lightness),
+                frictions,
+                dt,
+            ),
             vertices,
-            weights: near.weights,
-            normal: near.distance.normal,
-            ground: obstacle.surface_velocity(&at, &near.distance.normal),
-            lightness,
-            friction: obstacle.friction,
-            sticking: model.sticking(obstacle),
-            load: law.normal_force(near) * dt,
-            damping: 2.0 * (stiffness / lightness).sqrt() * dt,
-            deep: law.offset - near.distance.value > law.limit(),
-            braked: 0.0,
-            impulse: Vector3::zeros(),
-            at: n,
+            weights,
+            count,
+            at,
         });
     }
-    grips
 }
 
 fn largest(lanes: &Lanes) -> f64 {
@@ -195,61 +190,22 @@ fn largest(lanes: &Lanes) -> f64 {
 
 impl Grip {
     /// Velocity of the point over the obstacle \[m/s\].
+    #[inline]
     fn motion(&self, rates: &[Lanes]) -> Vector3<f64> {
-        let moving: Vector3<f64> = (0..3)
-            .map(|k| vector(&rates[self.vertices[k] as usize]) * self.weights[k])
-            .sum();
-        moving - self.ground
+        let mut moving = Vector3::zeros();
+        for k in 0..self.count {
+            moving += vector(&rates[self.vertices[k] as usize]) * self.weights[k];
+        }
+        moving - self.bite.ground
     }
 
-    /// Its tangential part \[m/s\].
-    fn slip(&self, rates: &[Lanes]) -> Vector3<f64> {
-        let motion = self.motion(rates);
-        motion - self.normal * self.normal.dot(&motion)
-    }
-
+    #[inline]
     fn push(&self, impulse: &Vector3<f64>, inverse_mass: &[Lanes], rates: &mut [Lanes]) {
         let push = lanes(impulse);
-        for k in 0..3 {
+        for k in 0..self.count {
             let v = self.vertices[k] as usize;
             let kick = std::array::from_fn(|i| push[i] * inverse_mass[v][i] * self.weights[k]);
             rates[v] = add(rates[v], kick);
         }
-    }
-
-    /// Damps the normal velocity, implicitly, without pulling; the load changes with it.
-    fn soften(&mut self, inverse_mass: &[Lanes], rates: &mut [Lanes]) {
-        let speed = self.normal.dot(&self.motion(rates));
-        let wanted = -self.damping * speed / (1.0 + self.damping * self.lightness);
-        let impulse = wanted.max(-self.load);
-        self.load += impulse;
-        self.braked = impulse;
-        self.push(&(self.normal * impulse), inverse_mass, rates);
-    }
-
-    /// Keeps a deep contact from going deeper.
-    fn stop(&mut self, inverse_mass: &[Lanes], rates: &mut [Lanes]) {
-        let speed = self.normal.dot(&self.motion(rates));
-        if speed >= 0.0 {
-            return;
-        }
-        let impulse = -speed / self.lightness;
-        self.load += impulse;
-        self.braked += impulse;
-        self.push(&(self.normal * impulse), inverse_mass, rates);
-    }
-
-    /// Changes the impulse towards no slip within the cone, and the velocities with it.
-    fn tighten(&mut self, inverse_mass: &[Lanes], rates: &mut [Lanes]) {
-        let slip = self.slip(rates);
-        let limit = self.friction * self.load;
-        let mut impulse = self.impulse - slip / self.lightness;
-        let size = impulse.norm();
-        if size > limit {
-            impulse *= limit / size;
-        }
-        let change = impulse - self.impulse;
-        self.impulse = impulse;
-        self.push(&change, inverse_mass, rates);
     }
 }

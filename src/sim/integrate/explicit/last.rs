@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::super::{folds, impulse};
 use super::Explicit;
+use crate::contact::Proximity;
 use crate::contact::layers::Pair;
 use crate::sim::air::Breeze;
 use crate::sim::lanes::{Lanes, add, lanes, scale};
@@ -49,7 +50,10 @@ impl Explicit {
         let masses = &self.inverse_mass;
         let mut loads = Loads::default();
         if let Some(law) = &model.contact {
-            loads.obstacles = impulse::loads(model, law, touch, masses, &nodes, &mut rates, dt);
+            let spots: Vec<_> = touch.proximities.iter().map(Proximity::spot).collect();
+            let touching = (&touch.obstacles[..], &spots[..]);
+            loads.obstacles =
+                impulse::loads(model, law, touching, (masses, &nodes), &mut rates, dt);
         }
         if let Some(law) = &model.layers {
             loads.layers = folds::loads(law, pairs, masses, &mut rates, dt);
