@@ -21,6 +21,12 @@ pub fn add(a: Lanes, b: Lanes) -> Lanes {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
 }
 
+/// a - b.
+#[inline(always)]
+pub fn sub(a: Lanes, b: Lanes) -> Lanes {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]]
+}
+
 #[inline(always)]
 pub fn scale(a: Lanes, s: f64) -> Lanes {
     [a[0] * s, a[1] * s, a[2] * s, a[3] * s]

@@ -87,14 +87,14 @@ fn work_of_a_drape_over_a_table() {
         Work {
             substeps: 24,
             rejected: 0,
-            iterations: 245,
-            evaluations: 390,
-            factorisations: 248,
+            iterations: 241,
+            evaluations: 382,
+            factorisations: 244,
             indefinite: 3,
             constant: 0,
             tests: 0,
-            solves: 245,
-            halvings: 121,
+            solves: 241,
+            halvings: 117,
             ..Work::default()
         }
     );
