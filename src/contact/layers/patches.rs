@@ -10,8 +10,8 @@ use super::tiles::Tiles;
 
 type Point = Vector3<f64>;
 
-/// Searches that are remembered at a time; with one more, what is left of the oldest is searched again.
-const MOST_BASES: usize = 16;
+/// Searches that are remembered at a time; with one more, what is left of the oldest counts from there on.
+const MOST_BASES: usize = 4;
 
 /// Two patches, the smaller first.
 pub(super) type Two = [u32; 2];
@@ -31,6 +31,8 @@ pub(super) struct Rooms {
     /// Where the sheet was in the searches.
     bases: Vec<Vec<Point>>,
     rooms: Vec<Room>,
+    /// What is left of each at the last judgement \[m\].
+    left: Vec<f64>,
     stale: Vec<bool>,
     motions: Vec<(Point, f64)>,
 }
@@ -59,9 +61,9 @@ impl Rooms {
     /// Returns how many, and the least room of the others \[m\].
     pub fn judge(&mut self, tiles: &Tiles, positions: &[Point], wanted: f64) -> (usize, f64) {
         self.move_all(tiles, positions);
-        let full = self.bases.len() == MOST_BASES;
         let patches = tiles.patches.len();
         let (mut count, mut least) = (0, f64::INFINITY);
+        self.left.resize(self.rooms.len(), 0.0);
         let mut n = 0;
         for b in 0..patches {
             for a in 0..=b {
@@ -70,7 +72,8 @@ impl Rooms {
                 let ((mean, radius), (other, reach)) = (motions[a], motions[b]);
                 let left = room.size - (mean - other).norm() - radius - reach;
                 // What is not a number is stale, too.
-                let enough = left >= wanted && !(full && room.base == 0);
+                let enough = left >= wanted;
+                self.left[n] = left;
                 self.stale[n] = !enough;
                 count += usize::from(!enough);
                 least = if enough && left < least { left } else { least };
@@ -80,14 +83,26 @@ impl Rooms {
         (count, least)
     }
 
-    /// Begins another search at `positions`, of what is stale.
+    /// Begins another search at `positions`, of what was judged stale there.
     pub fn begin(&mut self, positions: &[Point]) {
+        let mut base = vec![];
         if self.bases.len() == MOST_BASES {
-            self.bases.remove(0);
-            let rooms = self.rooms.iter_mut();
-            rooms.for_each(|room| room.base = room.base.saturating_sub(1));
+            base = self.bases.remove(0);
+            let newest = MOST_BASES as u32 - 1;
+            for (room, left) in self.rooms.iter_mut().zip(&self.left) {
+                match room.base {
+                    0 => {
+                        *room = Room {
+                            base: newest,
+                            size: *left,
+                        }
+                    }
+                    _ => room.base -= 1,
+                }
+            }
         }
-        self.bases.push(positions.to_vec());
+        positions.clone_into(&mut base);
+        self.bases.push(base);
     }
 
     /// Whether two patches have to be searched.

@@ -92,8 +92,9 @@ impl Explicit {
         match &model.layers {
             None => wanted,
             Some(law) => {
-                let sheet = (&state.positions[..], &self.inverse_mass[..]);
-                self.folds.substep(model, law, sheet, (wanted, limit))
+                let sheet = (&state.positions[..], &state.velocities[..]);
+                let (masses, steps) = (&self.inverse_mass, (wanted, limit));
+                self.folds.substep(model, law, sheet, masses, steps)
             }
         }
     }
@@ -163,9 +164,10 @@ impl Explicit {
             self.meeting
                 .push(model, state, moving, masses, motion, &mut forces);
             if let Some(law) = &model.layers {
-                let step = (dt, &self.inverse_mass[..]);
-                let moving = (&nodes[..], &rates[..]);
-                self.folds.push(model, law, moving, step, &mut forces);
+                let (moving, motion) = ((&nodes[..], &rates[..]), (dt, fastest));
+                let masses = &self.inverse_mass;
+                self.folds
+                    .push(model, law, moving, motion, masses, &mut forces);
                 if self.folds.tripped() {
                     return (Touch::default(), TOO_LONG);
                 }

@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 use super::impulse::Taken;
 use crate::contact::layers::{Candidates, Pair};
 use crate::physics::layers::LayerLaw;
-use crate::sim::lanes::{Lanes, add, lanes, scale, vector};
+use crate::sim::lanes::{Lanes, add, dot, lanes, scale, sub, vector};
 use crate::sim::model::Model;
 use crate::sim::report::Work;
 
@@ -21,6 +21,8 @@ const LASTING: f64 = 100.0;
 /// Part of the sheet's own limit that a substep takes where layers are near, and how much stiffer they may become.
 const ROOM: f64 = 0.85;
 const GROWTH: f64 = 2.0;
+/// Share of a bound on motion below which it is worth a pass over the sheet.
+const TOGETHER: f64 = 0.7;
 /// Least margin of a collection over the thickness, and the most over the span that tiles can tell apart.
 const LEAST_MARGIN: f64 = 0.5;
 const MOST_REACH: f64 = 0.65;
@@ -30,6 +32,10 @@ const MOST_REACH: f64 = 0.65;
 pub struct Folds {
     candidates: Candidates,
     collected: bool,
+    /// Whether the collection was made where the run of substeps begins.
+    fresh: bool,
+    /// Whether the sheet moves together so much that its mean motion is worth taking off.
+    together: bool,
     pairs: Vec<Pair>,
     /// How fast each pair's offset changed in the half step before \[m/s\].
     motions: Vec<Vector3<f64>>,
@@ -48,13 +54,16 @@ impl Folds {
         &mut self,
         model: &Model,
         law: &LayerLaw,
-        (positions, inverse_mass): (&[Vector3<f64>], &[Lanes]),
+        (positions, velocities): (&[Vector3<f64>], &[Vector3<f64>]),
+        inverse_mass: &[Lanes],
         (wanted, limit): (f64, f64),
     ) -> f64 {
         let nodes: Vec<Lanes> = positions.iter().map(lanes).collect();
+        let rates: Vec<Lanes> = velocities.iter().map(lanes).collect();
         self.collected = false;
         self.stiffness.resize(model.masses.len(), 0.0);
-        self.find(model, &nodes, 0.0);
+        self.find(model, &nodes, approach(&rates, nodes.len(), wanted));
+        self.fresh = true;
         if self.candidates.is_empty() {
             return wanted;
         }
@@ -94,10 +103,15 @@ impl Folds {
     ) {
         self.bearable = (2.0 / dt).powi(2) - (2.0 / limit).powi(2);
         self.tripped = false;
-        self.collected = false;
+        self.collected = std::mem::take(&mut self.fresh);
         self.work = Work::default();
         self.stiffness.resize(model.masses.len(), 0.0);
-        self.find(model, nodes, approach(rates, model.masses.len(), dt));
+        let vertices = model.masses.len();
+        let approach = approach(rates, vertices, dt);
+        self.together = approach < TOGETHER * bound(fastest(&rates[..vertices]), dt);
+        if !self.collected {
+            self.find(model, nodes, approach);
+        }
     }
 
     /// Whether a substep was too long; what it led to must not be kept.
@@ -116,10 +130,14 @@ impl Folds {
         model: &Model,
         law: &LayerLaw,
         (nodes, rates): (&[Lanes], &[Lanes]),
-        (dt, inverse_mass): (f64, &[Lanes]),
+        (dt, fastest): (f64, f64),
+        inverse_mass: &[Lanes],
         forces: &mut [Lanes],
     ) {
-        let approach = approach(rates, model.masses.len(), dt);
+        let mut approach = bound(fastest, dt);
+        if self.together || approach >= self.candidates.nearest() {
+            approach = self::approach(rates, model.masses.len(), dt);
+        }
         // Not finite: it is lost, and nothing can be found.
         self.tripped |= approach.is_nan() || approach >= self.candidates.nearest();
         if self.tripped {
@@ -234,18 +252,29 @@ fn settle(grips: &mut [Grip], friction: f64, inverse_mass: &[Lanes], rates: &mut
     }
 }
 
-/// Bound on how much nearer two vertices come in a substep \[m\].
+/// Largest of some speeds \[m/s\].
+fn fastest(rates: &[Lanes]) -> f64 {
+    let squares = rates.iter().map(|rate| dot(*rate, *rate));
+    squares.fold(0.0, f64::max).sqrt()
+}
+
+/// Bound on how much nearer two vertices come in a substep at such speeds \[m\].
+fn bound(fastest: f64, dt: f64) -> f64 {
+    2.0 * fastest * dt
+}
+
+/// The same, with what all have in common taken off.
 fn approach(rates: &[Lanes], vertices: usize, dt: f64) -> f64 {
     let rates = &rates[..vertices];
     let sum = rates.iter().fold([0.0; 4], |sum, rate| add(sum, *rate));
     let mean = scale(sum, 1.0 / vertices as f64);
     let mut fastest = 0.0;
     for rate in rates {
-        let off: Lanes = std::array::from_fn(|k| rate[k] - mean[k]);
-        let square = off[0] * off[0] + off[1] * off[1] + off[2] * off[2];
+        let off = sub(*rate, mean);
+        let square = dot(off, off);
         fastest = if square > fastest { square } else { fastest };
     }
-    2.0 * fastest.sqrt() * dt
+    bound(fastest.sqrt(), dt)
 }
 
 fn largest(lanes: &Lanes) -> f64 {

@@ -3,7 +3,8 @@
 
 use crate::sim::lanes::{Lanes, add, dot, scale};
 
-/// Moves the vertices, puts their weight in for the forces, and returns their largest speed \[m/s\].
+/// Moves the vertices, puts their weight in for the forces, and returns their largest speed \[m/s\], which is no number if
+/// one is none.
 pub fn drift(
     nodes: &mut [Lanes],
     rates: &[Lanes],
@@ -11,17 +12,15 @@ pub fn drift(
     forces: &mut [Lanes],
     dt: f64,
 ) -> f64 {
-    let mut fastest = 0.0;
+    // Bits of squares are in the order of the squares, and above them all where one is no number.
+    let mut fastest = 0;
     let moving = nodes.iter_mut().zip(rates);
     for ((x, rate), (force, weight)) in moving.zip(forces.iter_mut().zip(weight)) {
         *x = add(*x, scale(*rate, dt));
         *force = *weight;
-        let square = dot(*rate, *rate);
-        if square > fastest {
-            fastest = square;
-        }
+        fastest = fastest.max(dot(*rate, *rate).to_bits());
     }
-    fastest.sqrt()
+    f64::from_bits(fastest).sqrt()
 }
 
 /// Takes the slopes from one half step over the moment between them to the next, and clears the forces.
