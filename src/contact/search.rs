@@ -99,37 +99,23 @@ impl Search {
         if let Shape::Mesh(surface) = &body.shape {
             return self.near_surface(sheet, (index, surface), nearby, reach, add);
         }
+        let mut add_vertex = |v: u32, at, first: First| {
+            if first.0 < reach {
+                let on = features.on_vertex(v as usize);
+                add(Place::on(on, (index, 0, v), 1.0, at, first));
+            }
+        };
         for side in sides {
             for &v in &side.vertices {
                 let at = local(&position(v));
-                let value = side.normal.dot(&at) - side.level;
-                if value < reach {
-                    let first = (value, side.normal);
-                    add(Place::on(
-                        features.on_vertex(v as usize),
-                        (index, 0, v),
-                        1.0,
-                        at,
-                        first,
-                    ));
-                }
+                add_vertex(v, at, (side.normal.dot(&at) - side.level, side.normal));
             }
         }
         self.firsts.clear();
         let firsts = self.local.iter().map(|p| body.shape.first_order(p));
         self.firsts.extend(firsts);
         for (i, &v) in nearby.rim.iter().enumerate() {
-            let first = self.firsts[i];
-            if first.0 < reach {
-                let at = self.local[i];
-                add(Place::on(
-                    features.on_vertex(v as usize),
-                    (index, 0, v),
-                    1.0,
-                    at,
-                    first,
-                ));
-            }
+            add_vertex(v, self.local[i], self.firsts[i]);
         }
         self.edges(sheet, (index, &body.shape), nearby, reach, &mut add);
         self.faces(mesh, (index, &body.shape), nearby, reach, &mut add);

@@ -11,17 +11,17 @@ use super::air::Breeze;
 use super::assembly::{Assembly, pick};
 use super::constant::Constant;
 use super::kernel::Kernel;
-use super::lanes::lanes;
+use super::lanes::{Lanes, lanes};
 use super::model::Model;
 use super::report::Work;
 use super::simulation::{Engine, Simulation};
 use super::touch::{Before, Touch};
-use crate::contact::Nearby;
 use crate::math::cholesky::Cholesky;
+use crate::physics::contact::ContactLaw;
 use crate::physics::{Load, Potential};
 use crate::scene::{Solver, Term};
 
-use super::integrate::MARGIN;
+use super::integrate::explicit::{Meeting, inverse_masses};
 use super::integrate::xpbd::{SUBSTEPS, Xpbd};
 
 /// One part of a step.
@@ -167,34 +167,56 @@ impl Simulation {
     }
 
     fn contact_part(&self, work: &Work) -> Option<Part<'_>> {
-        let (model, state) = (&self.model, &self.state);
-        let law = model.contact.as_ref()?;
-        let find = |body| Nearby::find(&model.mesh, &state.positions, body, law.offset, MARGIN);
-        let nearby: Option<Vec<_>> = match self.engine {
-            Engine::Explicit(..) => Some(state.obstacles.iter().map(find).collect()),
-            Engine::Implicit(..) | Engine::Positions(..) => None,
+        let law = self.model.contact.as_ref()?;
+        let once = match self.engine {
+            Engine::Explicit(_, substep) => self.meet_once(substep),
+            Engine::Implicit(..) | Engine::Positions(..) => self.touch_once(law),
         };
+        Some(Part {
+            name: "and friction, forces",
+            term: Some(Term::Contact),
+            count: work.evaluations,
+            once,
+        })
+    }
+
+    /// Contact in an explicit substep while nothing moves far.
+    fn meet_once(&self, dt: f64) -> Box<dyn FnMut() + '_> {
+        let model = &self.model;
+        let mut state = self.state.clone();
+        let nodes: Vec<Lanes> = state.positions.iter().map(lanes).collect();
+        let mut rates: Vec<Lanes> = state.velocities.iter().map(lanes).collect();
+        let masses = inverse_masses(model, &model.masses);
+        let mut forces = vec![[0.0; 4]; nodes.len()];
+        let mut meeting = Meeting::new(nodes.len());
+        let motion = (model.script_time(&state, 0.0), 0.0, dt);
+        let mut once = move || {
+            let moving = (&nodes[..], &rates[..]);
+            meeting.push(model, &mut state, moving, &masses, motion, &mut forces);
+            meeting.brake(model, &mut state, (&masses, &nodes), &mut rates, dt);
+        };
+        // The first time collects what is near.
+        once();
+        Box::new(once)
+    }
+
+    fn touch_once<'a>(&'a self, law: &'a ContactLaw) -> Box<dyn FnMut() + 'a> {
+        let (model, state) = (&self.model, &self.state);
         let mut touch = Touch {
             obstacles: state.obstacles.clone(),
             ..Touch::default()
         };
-        let once = move || {
+        Box::new(move || {
             let before = Before {
                 positions: &state.positions,
                 velocities: &state.velocities,
                 obstacles: &state.obstacles,
                 bonds: &state.bonds,
             };
-            touch.find(model, law, &state.positions, nearby.as_deref());
+            touch.find(model, law, &state.positions, None);
             touch.bind(model, law, &before);
             black_box(touch.pushes(model, law, &state.positions));
-        };
-        Some(part(
-            Term::Contact,
-            "and friction, forces",
-            work.evaluations,
-            once,
-        ))
+        })
     }
 }
 

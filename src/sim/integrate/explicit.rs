@@ -12,7 +12,7 @@ mod floors;
 mod last;
 mod meet;
 
-use meet::Meeting;
+pub use meet::Meeting;
 use nalgebra::{Matrix3, Vector3};
 
 use super::folds::Folds;
@@ -164,8 +164,7 @@ impl Explicit {
             self.meeting
                 .push(model, state, moving, masses, motion, &mut forces);
             if let Some(law) = &model.layers {
-                let (moving, motion) = ((&nodes[..], &rates[..]), (dt, fastest));
-                let masses = &self.inverse_mass;
+                let motion = (dt, fastest);
                 self.folds
                     .push(model, law, moving, motion, masses, &mut forces);
                 if self.folds.tripped() {

@@ -61,6 +61,7 @@ impl Folds {
         let nodes: Vec<Lanes> = positions.iter().map(lanes).collect();
         let rates: Vec<Lanes> = velocities.iter().map(lanes).collect();
         self.collected = false;
+        self.work = Work::default();
         self.stiffness.resize(model.masses.len(), 0.0);
         self.find(model, &nodes, approach(&rates, nodes.len(), wanted));
         self.fresh = true;
@@ -104,12 +105,12 @@ impl Folds {
         self.bearable = (2.0 / dt).powi(2) - (2.0 / limit).powi(2);
         self.tripped = false;
         self.collected = std::mem::take(&mut self.fresh);
-        self.work = Work::default();
         self.stiffness.resize(model.masses.len(), 0.0);
         let vertices = model.masses.len();
         let approach = approach(rates, vertices, dt);
         self.together = approach < TOGETHER * bound(fastest(&rates[..vertices]), dt);
         if !self.collected {
+            self.work = Work::default();
             self.find(model, nodes, approach);
         }
     }

@@ -19,7 +19,7 @@ mod stable;
 mod test;
 pub mod xpbd;
 
-pub use stable::{MARGIN, SAFETY, quickest};
+pub use stable::{SAFETY, quickest};
 
 use nalgebra::Vector3;
 

@@ -132,7 +132,7 @@ impl Floors {
         taken
     }
 
-    /// What rests on moving obstacles and others: each as a place, a direction of force and a force \[N\].
+    /// What rests: the obstacle, the place \[m\], the direction of the force and the force \[N\].
     pub fn loads(
         &self,
         law: &ContactLaw,

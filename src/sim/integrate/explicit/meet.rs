@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::super::impulse::{self, Grip, Taken};
-use super::super::stable::quickest;
+use super::super::stable::{MARGIN, quickest};
 use super::floors::Floors;
 use crate::contact::{FAR, Nearby, Obstacle, Pose, Search, Side, Spot};
 use crate::physics::contact::{ContactLaw, weighted};
@@ -12,9 +12,7 @@ use crate::sim::model::Model;
 use crate::sim::state::State;
 use crate::sim::touch::Touch;
 
-/// How far the sheet may move against an obstacle before what is near is collected anew \[m\].
-const MARGIN: f64 = 1e-3;
-/// The same for what is looked at in every substep.
+/// [`MARGIN`] for what is looked at in every substep \[m\].
 const SLIVER: f64 = 1e-4;
 /// Part of the margin that must be left, or what is near is collected anew.
 const LEFT: f64 = 0.3;
