@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 
 use super::detect::{Scratch, edge_pair, vertex_pairs};
-use super::fit::{Fit, closer, features, nodes};
-use super::patches::Rooms;
+use super::fit::{Fit, closer, features, nodes, separated};
+use super::rooms::Rooms;
 use super::{Pair, Tiles};
 use crate::sheet::Mesh;
 
@@ -75,7 +75,7 @@ impl Candidates {
             list.retain(|(pair, _)| !rooms.is_stale(tiles.patches_of(kind == 1, *pair)));
         }
         let kept = self.len();
-        self.rooms.begin(positions);
+        self.rooms.begin();
         let [stale, touching] = self.rooms.stale_patches(tiles);
         self.fit
             .over_patches(tiles, mesh, positions, [&stale, &touching]);
@@ -109,7 +109,9 @@ impl Candidates {
                 }
                 let two = (tiles.patch_level, [a, b]);
                 let clear = self.fit.near_faces_of(tiles, two, reach, |f, g| {
-                    features(tiles, mesh, [f, g], &mut look)
+                    if !separated(mesh, positions, [f, g], reach) {
+                        features(tiles, mesh, [f, g], &mut look);
+                    }
                 });
                 self.rooms.enter([a, b], clear - thickness);
             }

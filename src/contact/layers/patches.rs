@@ -1,169 +1,161 @@
-//! Patches of the sheet, and how near two of them may have come since they were searched.
-//!
-//! What was at least a distance apart stays so but for the motion of one patch against the other, which is at most that
-//! of their means and the farthest departures from these. Most patches move along with those that are near them; where
-//! two do not, they alone are searched again.
+//! Patches of the sheet: where they are, and how they have moved as if rigid.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector2, Vector3};
 
+use super::bounds::max;
 use super::tiles::Tiles;
+use crate::sheet::Mesh;
 
 type Point = Vector3<f64>;
 
-/// Searches that are remembered at a time; with one more, what is left of the oldest counts from there on.
-const MOST_BASES: usize = 4;
-
-/// Two patches, the smaller first.
-pub(super) type Two = [u32; 2];
-
-/// What a search has left between two patches.
-#[derive(Clone, Copy, Debug)]
-struct Room {
-    /// In which search.
-    base: u32,
-    /// How much nearer they may come before something unseen may touch \[m\].
-    size: f64,
-}
-
-/// Room between all patches.
+/// The vertices of some faces, with their coordinates in the flat sheet from their middle.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Rooms {
-    /// Where the sheet was in the searches.
-    bases: Vec<Vec<Point>>,
-    rooms: Vec<Room>,
-    /// What is left of each at the last judgement \[m\].
-    left: Vec<f64>,
-    stale: Vec<bool>,
-    motions: Vec<(Point, f64)>,
+pub(super) struct Patch {
+    vertices: Vec<u32>,
+    levers: Vec<Vector2<f64>>,
 }
 
-/// Place of a pair of patches in a list of all.
-fn number([a, b]: Two) -> usize {
-    let (a, b) = (a.min(b) as usize, a.max(b) as usize);
-    b * (b + 1) / 2 + a
+impl Patch {
+    /// Of all vertices of the faces.
+    pub fn new(mesh: &Mesh, faces: &[u32]) -> Self {
+        let corners = faces.iter().flat_map(|&f| mesh.faces[f as usize]);
+        let mut vertices: Vec<u32> = corners.collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let place = |v: &u32| mesh.material[*v as usize];
+        let middle = vertices.iter().map(place).sum::<Vector2<f64>>() / vertices.len() as f64;
+        Self {
+            levers: vertices.iter().map(|v| place(v) - middle).collect(),
+            vertices,
+        }
+    }
+
+    /// Its middle and its axes, which turn with it: along the warp, in its mean plane, and across.
+    fn frame(&self, positions: &[Point]) -> Frame {
+        let (mut sum, mut warp, mut weft) = (Point::zeros(), Point::zeros(), Point::zeros());
+        for (&v, lever) in self.vertices.iter().zip(&self.levers) {
+            let p = positions[v as usize];
+            sum += p;
+            warp += p * lever.x;
+            weft += p * lever.y;
+        }
+        let (along, up) = (warp.normalize(), warp.cross(&weft).normalize());
+        let axes = Matrix3::from_columns(&[along, up.cross(&along), up]).transpose();
+        Frame {
+            middle: sum / self.vertices.len().max(1) as f64,
+            // Any axes will do where the patch has none.
+            axes: match axes.iter().all(|a| a.is_finite()) {
+                true => axes,
+                false => Matrix3::identity(),
+            },
+            radius: 0.0,
+        }
+    }
 }
 
-impl Rooms {
-    /// Forgets all searches; everything is to be searched at `positions`.
-    pub fn reset(&mut self, tiles: &Tiles, positions: &[Point]) {
-        let count = tiles.patches.len();
-        self.bases.truncate(1);
-        self.bases.resize(1, vec![]);
-        positions.clone_into(&mut self.bases[0]);
-        let nothing = Room { base: 0, size: 0.0 };
-        self.rooms.clear();
-        self.rooms.resize(count * (count + 1) / 2, nothing);
-        self.stale.clear();
-        self.stale.resize(self.rooms.len(), true);
-    }
+/// Where a patch is.
+#[derive(Clone, Copy, Debug)]
+struct Frame {
+    middle: Point,
+    /// Its axes, as rows.
+    axes: Matrix3<f64>,
+    /// Distance of its farthest vertex from the middle \[m\].
+    radius: f64,
+}
 
-    /// Finds which patches have, at `positions`, less room than `wanted` left, and have to be searched again there.
-    /// Returns how many, and the least room of the others \[m\].
-    pub fn judge(&mut self, tiles: &Tiles, positions: &[Point], wanted: f64) -> (usize, f64) {
-        self.move_all(tiles, positions);
-        let patches = tiles.patches.len();
-        let (mut count, mut least) = (0, f64::INFINITY);
-        self.left.resize(self.rooms.len(), 0.0);
-        let mut n = 0;
-        for b in 0..patches {
-            for a in 0..=b {
-                let room = self.rooms[n];
-                let motions = &self.motions[room.base as usize * patches..];
-                let ((mean, radius), (other, reach)) = (motions[a], motions[b]);
-                let left = room.size - (mean - other).norm() - radius - reach;
-                // What is not a number is stale, too.
-                let enough = left >= wanted;
-                self.left[n] = left;
-                self.stale[n] = !enough;
-                count += usize::from(!enough);
-                least = if enough && left < least { left } else { least };
-                n += 1;
+/// Where all patches are, and their vertices as seen from there.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Stand {
+    frames: Vec<Frame>,
+    seen: Vec<Point>,
+}
+
+impl Stand {
+    /// Takes the patches where the sheet is.
+    pub fn take(&mut self, tiles: &Tiles, positions: &[Point]) {
+        self.frames.clear();
+        self.seen.clear();
+        for patch in &tiles.patches {
+            let mut frame = patch.frame(positions);
+            let mut square = 0.0;
+            for &v in &patch.vertices {
+                let seen = frame.axes * (positions[v as usize] - frame.middle);
+                square = max(square, seen.norm_squared());
+                self.seen.push(seen);
             }
+            frame.radius = square.sqrt();
+            self.frames.push(frame);
         }
-        (count, least)
     }
 
-    /// Begins another search at `positions`, of what was judged stale there.
-    pub fn begin(&mut self, positions: &[Point]) {
-        let mut base = vec![];
-        if self.bases.len() == MOST_BASES {
-            base = self.bases.remove(0);
-            let newest = MOST_BASES as u32 - 1;
-            for (room, left) in self.rooms.iter_mut().zip(&self.left) {
-                match room.base {
-                    0 => {
-                        *room = Room {
-                            base: newest,
-                            size: *left,
-                        }
-                    }
-                    _ => room.base -= 1,
-                }
+    /// How the patches that are `needed` have come here from where they stood before.
+    pub fn motions(
+        &self,
+        before: &Self,
+        needed: &[bool],
+        motions: &mut Vec<Motion>,
+        tiles: &Tiles,
+    ) {
+        let mut first = 0;
+        for (n, patch) in tiles.patches.iter().enumerate() {
+            let range = first..first + patch.vertices.len();
+            first = range.end;
+            if !needed[n] {
+                motions.push(Motion::default());
+                continue;
             }
-        }
-        positions.clone_into(&mut base);
-        self.bases.push(base);
-    }
-
-    /// Whether two patches have to be searched.
-    pub fn is_stale(&self, two: Two) -> bool {
-        self.stale[number(two)]
-    }
-
-    /// Which patches have to be searched with some other or with themselves; and between which of them, those beside
-    /// each other, tiles touch.
-    pub fn stale_patches(&self, tiles: &Tiles) -> [Vec<bool>; 2] {
-        let grid = tiles.levels[tiles.patch_level];
-        let (mut all, mut touching) = (vec![false; grid.len()], vec![false; grid.len()]);
-        let mut n = 0;
-        for b in 0..grid.len() {
-            for a in 0..=b {
-                if self.stale[n] {
-                    (all[a], all[b]) = (true, true);
-                    let around = grid.around([a, b]).into_iter().flatten();
-                    around.for_each(|t| touching[t] = true);
-                }
-                n += 1;
-            }
-        }
-        [all, touching]
-    }
-
-    /// Enters what the newest search has left between two patches \[m\].
-    pub fn enter(&mut self, two: Two, size: f64) {
-        let base = self.bases.len() as u32 - 1;
-        self.rooms[number(two)] = Room { base, size };
-    }
-
-    /// Mean motion of patches since the searches that left them room, and the farthest departure from it \[m\].
-    fn move_all(&mut self, tiles: &Tiles, positions: &[Point]) {
-        let patches = tiles.patches.len();
-        let mut needed = vec![false; self.bases.len() * patches];
-        let mut n = 0;
-        for b in 0..patches {
-            for a in 0..=b {
-                let first = self.rooms[n].base as usize * patches;
-                (needed[first + a], needed[first + b]) = (true, true);
-                n += 1;
-            }
-        }
-        self.motions.clear();
-        for (n, needed) in needed.into_iter().enumerate() {
-            let base = &self.bases[n / patches];
-            self.motions.push(match needed {
-                true => motion(&tiles.patches[n % patches], base, positions),
-                false => (Point::zeros(), 0.0),
+            let (from, to) = (&before.frames[n], &self.frames[n]);
+            let pairs = self.seen[range.clone()].iter().zip(&before.seen[range]);
+            let square = pairs.map(|(a, b)| (a - b).norm_squared()).fold(0.0, most);
+            motions.push(Motion {
+                from: from.middle,
+                to: to.middle,
+                turn: to.axes.tr_mul(&from.axes),
+                radius: from.radius,
+                off: square.sqrt(),
             });
         }
     }
 }
 
-fn motion(patch: &[u32], from: &[Point], to: &[Point]) -> (Point, f64) {
-    let moved = |v: u32| to[v as usize] - from[v as usize];
-    let sum: Point = patch.iter().map(|&v| moved(v)).sum();
-    let mean = sum / patch.len().max(1) as f64;
-    let away = patch.iter().map(|&v| (moved(v) - mean).norm_squared());
-    // `f64::max` would pass over what is not a number.
-    let most = away.fold(0.0, |most: f64, a| if a <= most { most } else { a });
-    (mean, most.sqrt())
+/// How a patch has moved: as if rigid, but for a rest.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Motion {
+    from: Point,
+    to: Point,
+    turn: Matrix3<f64>,
+    radius: f64,
+    /// The most by which a vertex has moved otherwise \[m\].
+    off: f64,
+}
+
+impl Motion {
+    /// Bound on how much nearer points of two patches have come \[m\], seen from the first as it turns: good for patches
+    /// that turn together.
+    pub fn turning(&self, other: &Self) -> f64 {
+        let carried = self.turn * (other.from - self.from);
+        let turned = angle(&(other.turn - self.turn)) * other.radius;
+        (other.to - self.to - carried).norm() + turned + self.off + other.off
+    }
+
+    /// The same without turning along: good for patches far from each other.
+    pub fn sliding(&self, other: &Self) -> f64 {
+        let moved = (self.to - self.from) - (other.to - other.from);
+        moved.norm() + self.away() + other.away()
+    }
+
+    /// The most by which a vertex has moved otherwise than the middle \[m\].
+    fn away(&self) -> f64 {
+        angle(&(self.turn - Matrix3::identity())) * self.radius + self.off
+    }
+}
+
+/// Spectral norm of the difference of two rotations: its singular values are 2 sin(t/2), twice, and zero.
+fn angle(difference: &Matrix3<f64>) -> f64 {
+    (0.5 * difference.norm_squared()).sqrt()
+}
+
+/// The larger of two, which is no number if the second is none.
+fn most(a: f64, b: f64) -> f64 {
+    if b <= a { a } else { b }
 }

@@ -9,6 +9,7 @@
 use nalgebra::{Vector2, Vector3};
 
 use super::fit::Fit;
+use super::patches::Patch;
 use crate::sheet::Mesh;
 
 /// Side of a finest tile over the mean length of an edge.
@@ -34,12 +35,17 @@ impl Level {
     /// The tiles of the rectangle that holds two tiles beside each other; nothing if they are not.
     pub(super) fn around(self, two: [usize; 2]) -> Option<impl Iterator<Item = usize>> {
         let [a, b] = two.map(|t| [t % self.columns, t / self.columns]);
-        let beside = a[0].abs_diff(b[0]) <= 1 && a[1].abs_diff(b[1]) <= 1;
-        beside.then(|| {
+        self.beside(two).then(|| {
             let columns = a[0].min(b[0])..=a[0].max(b[0]);
             let rows = a[1].min(b[1])..=a[1].max(b[1]);
             rows.flat_map(move |j| columns.clone().map(move |i| self.index([i, j])))
         })
+    }
+
+    /// Whether two tiles touch, or are one.
+    pub(super) fn beside(self, two: [usize; 2]) -> bool {
+        let [a, b] = two.map(|t| [t % self.columns, t / self.columns]);
+        a[0].abs_diff(b[0]) <= 1 && a[1].abs_diff(b[1]) <= 1
     }
 
     pub(super) fn len(self) -> usize {
@@ -62,9 +68,9 @@ pub struct Tiles {
     /// The face that answers for each vertex and edge.
     pub(super) vertex_keeper: Vec<u32>,
     pub(super) edge_keeper: Vec<u32>,
-    /// The level whose tiles are patches, with the vertices of their faces; the patch of each face.
+    /// The level whose tiles are patches, and these; the patch of each face.
     pub(super) patch_level: usize,
-    pub(super) patches: Vec<Vec<u32>>,
+    pub(super) patches: Vec<Patch>,
     patch_of_face: Vec<u32>,
     /// Faces around each vertex; zero on the boundary.
     stars: Vec<u8>,
@@ -224,29 +230,26 @@ impl Tiles {
     }
 }
 
-/// Vertices of the faces of each tile of a level, and the tile of each face.
+/// The tiles of a level as patches, and the patch of each face.
 fn patches(
     mesh: &Mesh,
     levels: &[Level],
     level: usize,
     owned: &[Vec<u32>],
-) -> (Vec<Vec<u32>>, Vec<u32>) {
+) -> (Vec<Patch>, Vec<u32>) {
     let (finest, grid) = (levels[0], levels[level]);
-    let mut patches = vec![vec![]; grid.len()];
+    let mut of_patch = vec![vec![]; grid.len()];
     let mut of_face = vec![0; mesh.faces.len()];
     for (tile, faces) in owned.iter().enumerate() {
         let (i, j) = (tile % finest.columns, tile / finest.columns);
         let patch = grid.index([i >> level, j >> level]);
         for &f in faces {
             of_face[f as usize] = patch as u32;
-            patches[patch].extend(mesh.faces[f as usize]);
         }
+        of_patch[patch].extend(faces);
     }
-    for patch in &mut patches {
-        patch.sort_unstable();
-        patch.dedup();
-    }
-    (patches, of_face)
+    let patches = of_patch.iter().map(|faces| Patch::new(mesh, faces));
+    (patches.collect(), of_face)
 }
 
 fn keepers(mesh: &Mesh) -> [Vec<u32>; 2] {
