@@ -106,7 +106,7 @@ pub struct StepReport {
     pub work: Work,
     /// Force residual over the sheet's weight \[-\].
     pub residual: f64,
-    /// Whether the residual met the tolerance, and the error of every part of the step `step_tolerance`.
+    /// Whether the residual met the tolerance, and the error of every part of the step its `step_tolerance`.
     pub converged: bool,
     /// Largest principal membrane strain, absolute \[-\].
     pub largest_strain: f64,
