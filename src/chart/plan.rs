@@ -320,6 +320,7 @@ pub(super) fn at(scene: &Scene, method: Method, dt: f64, triangles: usize) -> Sc
     scene.method = scene.method.with(method);
     scene.method.dt = dt;
     scene.method.substep = None;
+    scene.method.step_tolerance = None;
     scene.sheet.triangles = Some(triangles);
     scene.sheet.edge = None;
     scene.output.rate = scene.output.rate.min(1.0 / dt);

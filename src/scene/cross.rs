@@ -29,6 +29,7 @@ pub(super) fn check(scene: &Scene, document: &Node) -> Result<(), SceneError> {
         air,
         observations,
         method,
+        step_tolerance,
         times,
     ];
     for check in checks {
@@ -323,6 +324,19 @@ fn method(scene: &Scene) -> Result<(), Conflict> {
         ),
         _ => Ok(()),
     }
+}
+
+fn step_tolerance(scene: &Scene) -> Result<(), Conflict> {
+    let spec = &scene.method;
+    let method = spec.method();
+    if spec.step_tolerance.is_none() || method.knows_its_error() {
+        return Ok(());
+    }
+    let reason = format!(
+        "{} estimates no error of a step; backward-euler, bdf2 and generalised-alpha do",
+        method.name()
+    );
+    conflict("method.step_tolerance", reason)
 }
 
 fn times(scene: &Scene) -> Result<(), Conflict> {

@@ -271,6 +271,7 @@ const METHOD: &[Key] = &[
     may("tolerance", Number(range(1e-14, 0.1, "of the weight"))),
     may("max_iterations", Count(1, 10_000)),
     may("substep", Number(range(1e-9, 1.0, "s"))),
+    may("step_tolerance", Number(range(1e-9, 0.1, "m"))),
     may("limit", Choice(&["keep", "ignore"])),
     may("rho_infinity", Number(range(0.0, 1.0, ""))),
 ];

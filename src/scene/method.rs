@@ -134,6 +134,16 @@ impl Method {
         Self { scheme, solver }
     }
 
+    /// Whether it estimates the error of its steps.
+    pub fn knows_its_error(self) -> bool {
+        let in_time_implicit = [
+            Scheme::BackwardEuler,
+            Scheme::Bdf2,
+            Scheme::GeneralisedAlpha,
+        ];
+        in_time_implicit.contains(&self.scheme) && self.solver != Solver::Xpbd
+    }
+
     /// The method that a name stands for: a scheme, a solver with its usual scheme, or `SCHEME+SOLVER`.
     pub fn named(name: &str) -> Option<Self> {
         let scheme = |name: &str| Scheme::ALL.into_iter().find(|s| s.name() == name);
@@ -189,6 +199,9 @@ pub struct MethodSpec {
     /// Substep \[s\], at most `dt`. Left out, it is 0.85 of the stable limit for `central-difference`, and a
     /// twentieth of `dt` for `xpbd`.
     pub substep: Option<f64>,
+    /// Error in position that a part of an implicit step may add \[m\], mass-weighted root of the mean square: parts are as
+    /// long as it allows, `dt` at most. Left out, steps are parted only where they must be to be solved.
+    pub step_tolerance: Option<f64>,
     /// Whether `central-difference` keeps to its stable limit.
     pub limit: StableLimit,
     /// Spectral radius of `generalised-alpha` at infinite frequency, 0 to 1 \[-\].
@@ -201,9 +214,10 @@ impl MethodSpec {
         Method::of(self.scheme, self.solver)
     }
 
-    /// The same with another scheme and solver.
+    /// The same with another scheme and solver; a tolerance on its steps goes where the method cannot keep it.
     pub fn with(self, method: Method) -> Self {
         Self {
+            step_tolerance: self.step_tolerance.filter(|_| method.knows_its_error()),
             scheme: method.scheme,
             solver: method.solver,
             ..self
@@ -220,6 +234,7 @@ impl Default for MethodSpec {
             tolerance: 1e-3,
             max_iterations: 40,
             substep: None,
+            step_tolerance: None,
             limit: StableLimit::Keep,
             rho_infinity: 0.3,
         }

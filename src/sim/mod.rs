@@ -11,6 +11,7 @@ mod contacts;
 mod digest;
 mod dofs;
 mod equilibrium;
+mod error_control;
 mod implicit;
 mod integrate;
 mod kernel;

@@ -34,7 +34,7 @@ pub struct Energies {
 pub struct Work {
     /// Substeps taken (1 for an implicit step that converged at once).
     pub substeps: u64,
-    /// Attempts that did not converge and were repeated smaller.
+    /// Attempts that did not converge, or whose error was too large, and were repeated smaller.
     pub rejected: u64,
     /// Iterations of the solver.
     pub iterations: u64,
@@ -106,7 +106,7 @@ pub struct StepReport {
     pub work: Work,
     /// Force residual over the sheet's weight \[-\].
     pub residual: f64,
-    /// Whether the residual met the tolerance.
+    /// Whether the residual met the tolerance, and the error of every part of the step its `step_tolerance`.
     pub converged: bool,
     /// Largest principal membrane strain, absolute \[-\].
     pub largest_strain: f64,

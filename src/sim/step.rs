@@ -1,6 +1,7 @@
 //! One step of each kind of scheme, from the state to the next.
 
 use super::air::Breeze;
+use super::error_control::ErrorControl;
 use super::implicit::{Implicit, Solved};
 use super::integrate::Rule;
 use super::integrate::explicit::Explicit;
@@ -47,7 +48,9 @@ pub struct Diverged {
     pub advice: String,
 }
 
-/// One outer step in as many parts as it needs: a part that fails is halved, one that succeeds may double.
+/// One outer step in as many parts as it needs: a part that fails is halved, one that succeeds may double. With a
+/// tolerance on the error of a part, one that misses it is repeated smaller too; the smallest is taken as it is, since a
+/// jump of the velocity can ask for more than any step gives, but the report says that it missed.
 pub fn implicit_step(
     model: &Model,
     rule: Rule,
@@ -65,10 +68,12 @@ pub fn implicit_step(
         overshoot: OVERSHOOT,
     };
     solver.forget();
-    let (mut done, mut size) = (0, TICKS);
+    let part = |size: u32| method.dt * f64::from(size) / f64::from(TICKS);
+    let control = ErrorControl::of(model, rule);
+    let first = |c: &ErrorControl| c.first(state, TICKS, part(1));
+    let (mut done, mut size) = (0, control.as_ref().map_or(TICKS, first));
     let mut touch = Touch::default();
     while done < TICKS {
-        let part = |size: u32| method.dt * f64::from(size) / f64::from(TICKS);
         while size > 1 && travel::ahead(model, state, part(size)) > 1.0 {
             size /= 2;
         }
@@ -84,36 +89,58 @@ pub fn implicit_step(
             size /= 2;
             continue;
         }
-        if size > 1 && went_far(model, state, rule, &solved, (within, dt)) {
-            report.work.rejected += 1;
-            size /= 2;
-            continue;
+        let end = || end_of(model, state, rule, &solved, (within, dt));
+        if let Some(smaller) = misses(model, control.as_ref(), state, end, size) {
+            if smaller < size {
+                report.work.rejected += 1;
+                size = smaller;
+                continue;
+            }
+            report.converged = false;
         }
         advance(model, state, rule, &solved, (within, dt));
         touch = solved.touch;
         done += size;
-        if size < TICKS && done % (2 * size) == 0 {
+        let may_double = control.as_ref().is_none_or(|c| c.may_double(state));
+        if size < TICKS && done % (2 * size) == 0 && may_double {
             size *= 2;
         }
     }
     Ok(touch)
 }
 
-/// Whether the sheet and an obstacle moved against each other so far that one may have passed the other.
-fn went_far(
+/// Ticks with which a solved part of `size` is to be tried again: half where sheet and obstacle moved against each other
+/// so far that one may have passed the other, fewer where its error is too large. `size` itself if that has to do.
+fn misses(
+    model: &Model,
+    control: Option<&ErrorControl>,
+    start: &State,
+    end: impl FnOnce() -> State,
+    size: u32,
+) -> Option<u32> {
+    let meets = size > 1 && !start.obstacles.is_empty();
+    if !meets && control.is_none() {
+        return None;
+    }
+    let end = end();
+    let places = [&start.positions[..], &end.positions];
+    if meets && travel::taken(model, places, [&start.obstacles, &end.obstacles]) > 2.0 {
+        return Some(size / 2);
+    }
+    control.and_then(|control| control.smaller(start, &end, size))
+}
+
+/// The state at the end of a solved part.
+fn end_of(
     model: &Model,
     state: &State,
     rule: Rule,
     solved: &Solved,
     (within, dt): (f64, f64),
-) -> bool {
-    if state.obstacles.is_empty() {
-        return false;
-    }
+) -> State {
     let mut end = state.clone();
     take(model, &mut end, rule, solved, (within, dt));
-    let places = [&state.positions[..], &end.positions];
-    travel::taken(model, places, [&state.obstacles, &end.obstacles]) > 2.0
+    end
 }
 
 fn count(solved: &Solved, report: &mut StepReport) {

@@ -15,6 +15,7 @@ mod damage;
 mod encoding;
 mod energy;
 mod equilibrium;
+mod error_control;
 mod explain;
 mod friction;
 mod friction_proofs;

@@ -223,6 +223,7 @@ dt = 1e-3
 tolerance = 1e-5
 max_iterations = 20
 substep = 1e-5
+step_tolerance = 1e-4
 solver = "newton"
 limit = "ignore"
 rho_infinity = 0.5

@@ -12,14 +12,15 @@ use nalgebra::Vector3;
 
 use super::{Map, State};
 
-struct Constants {
-    af: f64,
-    am: f64,
-    beta: f64,
-    gamma: f64,
+/// Constants of the scheme \[-\].
+pub struct Constants {
+    pub af: f64,
+    pub am: f64,
+    pub beta: f64,
+    pub gamma: f64,
 }
 
-fn constants(rho: f64) -> Constants {
+pub fn constants(rho: f64) -> Constants {
     let (am, af) = ((2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0));
     Constants {
         af,

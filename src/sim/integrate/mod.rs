@@ -14,11 +14,13 @@ mod gradient_flow;
 mod held;
 mod impulse;
 mod leap;
+mod local_error;
 mod stable;
 #[cfg(test)]
 mod test;
 pub mod xpbd;
 
+pub use local_error::{exponent, local_error};
 pub use stable::{SAFETY, quickest};
 
 use nalgebra::Vector3;
@@ -67,7 +69,7 @@ impl Rule {
     }
 
     /// The rule for the next step: backward Euler where the state lacks the past that a rule needs.
-    fn possible(self, state: &State) -> Self {
+    pub(super) fn possible(self, state: &State) -> Self {
         match self {
             Self::Bdf2 if state.history.dt == 0.0 => Self::BackwardEuler,
             Self::GeneralisedAlpha(_) if state.history.accelerations.is_empty() => {
