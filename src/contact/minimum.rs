@@ -101,13 +101,21 @@ fn crossing(values: [&First; 2], slopes: [f64; 2]) -> (f64, f64) {
 /// begins where the tangents cross: near a sharp edge of the shape that is above it.
 #[inline]
 fn minimum_on_line(shape: &Shape, ends: [Vector3<f64>; 2], start: f64) -> (f64, First) {
-    if let Shape::Box { size } = shape {
-        let half = Vector3::from(*size) * 0.5;
-        if let Some(t) = beside_box(&half, ends, start) {
-            return (t, shape.first_order(&(ends[0] + (ends[1] - ends[0]) * t)));
-        }
+    let beside = core_box(shape).and_then(|half| beside_box(&half, ends, start));
+    match beside {
+        Some(t) => (t, shape.first_order(&(ends[0] + (ends[1] - ends[0]) * t))),
+        None => newton_on_line(shape, ends, start),
     }
-    newton_on_line(shape, ends, start)
+}
+
+/// Half the edges of the box that a shape is round about, if it is one: a point for a ball, the axis for a capsule.
+fn core_box(shape: &Shape) -> Option<Vector3<f64>> {
+    match *shape {
+        Shape::Box { size } => Some(Vector3::from(size) * 0.5),
+        Shape::Sphere { .. } => Some(Vector3::zeros()),
+        Shape::Capsule { length, .. } => Some(Vector3::new(0.0, 0.0, 0.5 * length)),
+        _ => None,
+    }
 }
 
 /// The same outside of a box, `None` where the way leads into it. The square of the distance is quadratic as long as
@@ -203,10 +211,7 @@ pub(super) fn within_face(
             return None;
         }
     }
-    let above = match shape {
-        Shape::Box { size } => above_box(&(Vector3::from(*size) * 0.5), corners),
-        _ => None,
-    };
+    let above = above(shape, corners);
     if above.is_some_and(|(weights, _)| !is_inside(&weights)) {
         return None;
     }
@@ -234,22 +239,36 @@ fn is_inside(weights: &[f64; 3]) -> bool {
     weights.iter().all(|&w| w > INSIDE)
 }
 
-/// Minimum over the plane of a face, as weights of the corners and distance, where that plane passes a box: the foot of
-/// the corner of the box that is farthest that way.
-fn above_box(half: &Vector3<f64>, corners: &[Vector3<f64>; 3]) -> Option<([f64; 3], f64)> {
+/// Minimum over the plane of a face, as weights of the corners and distance, where that plane passes what a shape is round
+/// about: the foot of the point that is farthest that way.
+fn above(shape: &Shape, corners: &[Vector3<f64>; 3]) -> Option<([f64; 3], f64)> {
     let [along, across] = [corners[1] - corners[0], corners[2] - corners[0]];
     let normal = along.cross(&across);
     let level = normal.dot(&corners[0]);
-    let rise = level.abs() - half.dot(&normal.abs());
+    let outward = normal * 1f64.copysign(level);
+    let tip = farthest(shape, &outward)?;
+    let rise = level.abs() - tip.dot(&outward);
     if rise <= 0.0 {
         return None;
     }
-    let outward = normal * 1f64.copysign(level);
-    let tip = half.zip_map(&outward, f64::copysign) - corners[0];
+    let from = tip - corners[0];
     let square = normal.norm_squared();
-    let weight = [tip.cross(&across), along.cross(&tip)].map(|part| part.dot(&normal) / square);
+    let weight = [from.cross(&across), along.cross(&from)].map(|part| part.dot(&normal) / square);
     let weights = [1.0 - weight[0] - weight[1], weight[0], weight[1]];
-    Some((weights, rise / square.sqrt()))
+    Some((weights, rise / square.sqrt() - shape.core()))
+}
+
+/// The point of what a shape is round about that is farthest along a direction, if one is.
+fn farthest(shape: &Shape, direction: &Vector3<f64>) -> Option<Vector3<f64>> {
+    let on_rim = |radius: f64, height: f64| {
+        let flat = direction.xy().try_normalize(0.0)? * radius;
+        Some(flat.push(height.copysign(direction.z)))
+    };
+    match *shape {
+        Shape::Disc { radius } => on_rim(radius, 0.0),
+        Shape::Cylinder { radius, length } => on_rim(radius, 0.5 * length),
+        _ => core_box(shape).map(|half| half.zip_map(direction, f64::copysign)),
+    }
 }
 
 /// Minimum over a face as the minimum over s of the minima on the lines from a + s (b - a) to c: the envelope of a
