@@ -6,7 +6,6 @@ use nalgebra::Vector3;
 
 use super::assembly::pick;
 use super::integrate::explicit::Explicit;
-use super::layers::LayerTouch;
 use super::simulation::{Engine, Simulation};
 use super::touch::Touch;
 use crate::contact::{Proximity, with_obstacle};
@@ -92,7 +91,7 @@ impl Simulation {
     fn loads(&self, law: &ContactLaw, touch: &Touch) -> BTreeMap<u64, (f64, Vector3<f64>)> {
         let (model, state) = (&self.model, &self.state);
         if let Some((explicit, dt)) = self.last_substep() {
-            let pairs = LayerTouch::of(model, state).pairs;
+            let pairs = self.layer_touch().pairs;
             let loads = explicit.loads(model, state, (touch, &pairs), dt);
             let loads = loads.obstacles.into_iter();
             return loads.map(|(key, n, f)| (key, (n, f))).collect();

@@ -22,11 +22,11 @@ impl Simulation {
     /// two edges are. Forces are those on the layer that `face` is of; `obstacle` says `sheet/` and a triangle of the
     /// other. Looks at all of it anew.
     pub fn layer_contacts(&self) -> Vec<ContactPoint> {
-        let (model, state) = (&self.model, &self.state);
+        let model = &self.model;
         let Some(law) = &model.layers else {
             return vec![];
         };
-        let touch = LayerTouch::of(model, state);
+        let touch = self.layer_touch();
         let normals = self.vertex_normals();
         let loads = self.layer_loads(law, &touch);
         let mut contacts: BTreeMap<u64, (ContactPoint, f64)> = BTreeMap::new();

@@ -163,12 +163,20 @@ pub struct LayerPoint {
 }
 
 impl Simulation {
+    /// Layers that touch in the present state, if its report knows of any.
+    pub(super) fn layer_touch(&self) -> LayerTouch {
+        match self.report.layer_contacts {
+            0 => LayerTouch::default(),
+            _ => LayerTouch::of(&self.model, &self.state),
+        }
+    }
+
     /// Where layers touch in the present state. Looks at all of it anew.
     pub fn layers(&self) -> Vec<LayerPoint> {
         let Some(law) = &self.model.layers else {
             return vec![];
         };
-        let touch = LayerTouch::of(&self.model, &self.state);
+        let touch = self.layer_touch();
         let point = |pair: &Pair| LayerPoint {
             vertices: pair.nodes,
             weights: pair.weights,
@@ -179,12 +187,17 @@ impl Simulation {
     }
 }
 
+/// What two layers are apart, besides their thickness and over it, to count as near. The flat sheet must not: what is there
+/// nearer than half a turn of the tightest fold, 1.57 thicknesses, is never looked at.
+const NEAR: f64 = 0.5;
+
 /// Looks at the whole sheet once: how near it comes to itself, whether it crosses itself, and, where a scene leaves
 /// that out, whether it may. Returns the energy of layers \[J\].
 pub fn inspect(model: &Model, state: &State, report: &mut StepReport) -> f64 {
     let (tiles, mesh) = (&model.tiles, &model.mesh);
     let mut candidates = Candidates::default();
-    candidates.collect(tiles, mesh, &state.positions, 0.0);
+    candidates.collect(tiles, mesh, &state.positions, NEAR * tiles.thickness());
+    report.layers_near = !candidates.is_empty();
     report.work.layer_searches += 1;
     report.work.layer_pairs += candidates.len() as u64;
     let mut touch = LayerTouch::default();

@@ -118,6 +118,8 @@ pub struct StepReport {
     pub layer_contacts: u64,
     /// Distance of the nearest layers' middle surfaces \[m\], or the thickness if none are nearer.
     pub layer_gap: f64,
+    /// Whether layers touch, or nearly so.
+    pub layers_near: bool,
     /// Edges of the sheet that pass through its faces.
     pub crossings: u64,
     /// Terms that the scene leaves out and should not.

@@ -138,7 +138,9 @@ impl Simulation {
                 implicit_step(&self.model, *rule, solver, &mut next, &mut report)?
             }
             Engine::Explicit(explicit, substep) => {
-                explicit_step(&self.model, explicit, *substep, &mut next, &mut report)?
+                // The last report is of the state that the step starts from.
+                let method = (&mut **explicit, self.report.layers_near);
+                explicit_step(&self.model, method, *substep, &mut next, &mut report)?
             }
             Engine::Positions(xpbd, substep) => {
                 position_step(&self.model, xpbd, *substep, &mut next, &mut report)?

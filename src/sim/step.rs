@@ -237,43 +237,64 @@ pub fn failure(
     }
 }
 
-/// One outer step in equal substeps.
+/// One outer step in equal substeps. Where layers are not `near` at its start, they are looked at when it is over; if they
+/// met, it is taken again with an eye on them.
 pub fn explicit_step(
+    model: &Model,
+    (explicit, near): (&mut Explicit, bool),
+    substep: f64,
+    state: &mut State,
+    report: &mut StepReport,
+) -> Result<Touch, Diverged> {
+    let start = state.clone();
+    explicit.expect_layers(model, state, near, report.dt);
+    let mut taken = substeps(model, explicit, substep, state, report)?;
+    if explicit.missed_layers(model) {
+        report.work.rejected += 1;
+        state.clone_from(&start);
+        explicit.watch_layers();
+        taken = substeps(model, explicit, substep, state, report)?;
+    }
+    let (touch, dt) = taken;
+    report.work += explicit.layer_work().unwrap_or_default();
+    let advice = "leave method.substep out, or try one below";
+    found(model, state, dt, advice).map(|()| touch)
+}
+
+/// Substeps of a length that obstacles and layers bear, with that length \[s\].
+fn substeps(
     model: &Model,
     explicit: &mut Explicit,
     substep: f64,
     state: &mut State,
     report: &mut StepReport,
-) -> Result<Touch, Diverged> {
+) -> Result<(Touch, f64), Diverged> {
     let substep = match model.scene.method.limit {
         StableLimit::Keep => explicit.substep(model, state, substep, report.dt),
         StableLimit::Ignore => substep,
     };
     let mut parts = parts(report.dt, substep);
     let start = state.clone();
-    let (touch, dt) = loop {
+    loop {
         let dt = report.dt / parts as f64;
         let (touch, haste) = explicit.advance(model, state, dt, parts);
         report.work.substeps += parts;
         report.work.evaluations += parts;
-        let layers = explicit.layer_work();
-        if layers.is_none() && parts >= MOST_PARTS {
+        let void = explicit.layer_work().is_none();
+        if void && parts >= MOST_PARTS {
             let advice = "layers of cloth meet too hard; try a smaller method.dt or a finer mesh";
             return Err(failure(model, &start, (f64::INFINITY, 0), advice.into()));
         }
         let safe = haste <= 1.0 || !haste.is_finite() || parts >= MOST_PARTS;
         let ignored = model.scene.method.limit == StableLimit::Ignore;
-        if let (true, Some(work)) = (safe || ignored, layers) {
-            report.work += work;
-            break (touch, dt);
+        if (safe || ignored) && !void {
+            return Ok((touch, dt));
         }
         // Too fast to be seen coming: once more in smaller substeps.
         report.work.rejected += 1;
         parts = (parts as f64 * (1.2 * haste).min(16.0)).ceil() as u64;
         state.clone_from(&start);
-    };
-    let advice = "leave method.substep out, or try one below";
-    found(model, state, dt, advice).map(|()| touch)
+    }
 }
 
 /// Substeps of at most `substep` in a step; rounding must not add one.

@@ -71,6 +71,25 @@ fn a_held_square_does_not_cross_itself() {
     }
 }
 
+/// Steps longer than a fold takes to fall on another, which nothing at their start foretells: layers that met in one are
+/// found when it is over, and it is taken again with an eye on them.
+#[test]
+fn layers_that_meet_within_a_step_are_found_afterwards() {
+    for triangles in [300, 500] {
+        let name = format!("sheet.triangles={triangles}");
+        let mut simulation = simulation(&held(&["output.rate=5", "method.dt=0.2", &name]));
+        let mut again = 0;
+        for _ in 0..3 {
+            let report = simulation.step().unwrap().clone();
+            again += report.work.rejected;
+            let (at, strain) = (report.time, report.largest_strain);
+            assert_eq!(crossed(&simulation), 0, "{name}, {at} s");
+            assert!(strain < 0.1, "{name}, {at} s: strain {strain}");
+        }
+        assert!(again > 0, "{name}: nothing met unforeseen");
+    }
+}
+
 /// Without layers the same square passes through itself, and every report from then on says that it should not.
 #[test]
 fn leaving_layers_out_is_told() {

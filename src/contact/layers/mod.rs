@@ -2,7 +2,7 @@
 //!
 //! [`Tiles`] finds what may be near and skips what provably is not; [`Candidates`] keeps it while patches move little against
 //! each other; [`Pair`]s are what is nearer than a reach; [`safe_share`] says how far a motion may go before two parts
-//! meet; [`crossings`] tells exactly whether they have.
+//! meet, [`may_meet`] whether they do; [`crossings`] tells exactly whether they have.
 
 mod bounds;
 mod candidates;
@@ -23,5 +23,5 @@ pub use candidates::Candidates;
 pub use closest::{Pair, point_to_face, segment_to_segment};
 pub use crossing::{crosses, crossings};
 pub use detect::{Part, is_pair_of, parts_of};
-pub use sweep::{Sweep, safe_share};
+pub use sweep::{Sweep, may_meet, safe_share};
 pub use tiles::Tiles;

@@ -4,6 +4,7 @@
 use nalgebra::Vector3;
 
 use super::Tiles;
+use super::bounds::max;
 use super::closest::between;
 use super::fit::{Fit, features, nodes};
 use crate::sheet::Mesh;
@@ -15,8 +16,10 @@ const KEPT: f64 = 0.1;
 /// Distance below which features count as crossed already \[m\]: no motion can be judged by it.
 const CROSSED: f64 = 1e-10;
 const MOST_ADVANCES: usize = 1000;
+/// Share of a reach beyond it that is not told from it.
+const SLACK: f64 = 0.05;
 
-/// Work space of [`safe_share`].
+/// Work space of [`safe_share`] and [`may_meet`].
 #[derive(Clone, Debug, Default)]
 pub struct Sweep {
     fit: Fit,
@@ -49,6 +52,59 @@ pub fn safe_share(
         list.iter().for_each(|&pair| look(kind == 1, pair));
     }
     share
+}
+
+/// Whether two features of the sheet may come within `reach` of each other while it moves straight from one place to the
+/// other; never no where they do.
+pub fn may_meet(
+    sweep: &mut Sweep,
+    (tiles, mesh): (&Tiles, &Mesh),
+    [from, to]: [&[Point]; 2],
+    reach: f64,
+) -> bool {
+    sweep.fit.over(tiles, mesh, &[from, to]);
+    let mut met = false;
+    let mut look = |edges: bool, pair: [u32; 2]| {
+        if met {
+            return;
+        }
+        let stencil = nodes(mesh, edges, pair);
+        let x = stencil.map(|v| from[v as usize]);
+        let motion = stencil.map(|v| to[v as usize] - from[v as usize]);
+        met = comes_within(edges, x, motion, reach) && !tiles.excludes(edges, pair);
+    };
+    for (kind, list) in tiles.near.iter().enumerate() {
+        list.iter().for_each(|&pair| look(kind == 1, pair));
+    }
+    sweep.fit.near_faces(tiles, reach, |f, g| {
+        features(tiles, mesh, [f, g], &mut look)
+    });
+    met
+}
+
+/// The same for one pair, by conservative advancement; a twentieth more than `reach` counts as within.
+fn comes_within(edges: bool, mut x: [Point; 4], mut motion: [Point; 4], reach: f64) -> bool {
+    let split = if edges { 2 } else { 1 };
+    let mean = (motion[0] + motion[1] + motion[2] + motion[3]) * 0.25;
+    motion.iter_mut().for_each(|m| *m -= mean);
+    let longest = |part: &[Point]| part.iter().map(Point::norm).fold(0.0, max);
+    let speed = longest(&motion[..split]) + longest(&motion[split..]);
+    let mut share = 0.0;
+    for _ in 0..MOST_ADVANCES {
+        let distance = between(edges, &x);
+        let ahead = (distance - reach) / speed;
+        if share + ahead >= 1.0 {
+            return false;
+        }
+        if distance < (1.0 + SLACK) * reach {
+            return true;
+        }
+        for (x, m) in x.iter_mut().zip(&motion) {
+            *x += m * ahead;
+        }
+        share += ahead;
+    }
+    true
 }
 
 /// The safe share of the motion of one pair, `most` if it is at least that.

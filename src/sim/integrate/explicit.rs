@@ -8,10 +8,12 @@
 //! that they do not lower the stable limit, and never above what nothing notices or a solid sheet has, so they follow the
 //! positions.
 
+mod apart;
 mod floors;
 mod last;
 mod meet;
 
+use apart::Apart;
 pub use meet::Meeting;
 use nalgebra::{Matrix3, Vector3};
 
@@ -49,6 +51,9 @@ pub struct Explicit {
     limits: Limits,
     meeting: Meeting,
     folds: Folds,
+    apart: Apart,
+    /// Whether layers are watched while a run of substeps goes on, or looked at afterwards.
+    watching: bool,
 }
 
 impl Explicit {
@@ -72,6 +77,8 @@ impl Explicit {
             limits: Limits::new(nodes, inertia),
             meeting: Meeting::new(vertices),
             folds: Folds::default(),
+            apart: Apart::default(),
+            watching: true,
         }
     }
 
@@ -90,18 +97,41 @@ impl Explicit {
             _ => (wanted / stiffer).min(SAFETY * limit),
         };
         match &model.layers {
-            None => wanted,
-            Some(law) => {
+            Some(law) if self.watching => {
                 let sheet = (&state.positions[..], &state.velocities[..]);
                 let (masses, steps) = (&self.inverse_mass, (wanted, limit));
                 self.folds.substep(model, law, sheet, masses, steps)
             }
+            _ => wanted,
         }
+    }
+
+    /// Says whether layers are near where a step of `span` starts \[s\]: if not, and they do not go to meet either, they
+    /// are looked at when it is over.
+    pub fn expect_layers(&mut self, model: &Model, state: &State, near: bool, span: f64) {
+        self.watching = near || model.layers.is_some() && self.apart.ahead(model, state, span);
+    }
+
+    /// Watches layers while the next run of substeps goes on.
+    pub fn watch_layers(&mut self) {
+        self.watching = true;
+    }
+
+    /// Whether layers met in the last run of substeps while nothing watched them: what it led to is void.
+    pub fn missed_layers(&mut self, model: &Model) -> bool {
+        model.layers.is_some() && !self.watching && !self.apart.held(model)
     }
 
     /// What layers took in the last run of substeps; `None` if those were too long, and what they led to is void.
     pub fn layer_work(&self) -> Option<Work> {
-        (!self.folds.tripped()).then(|| self.folds.work())
+        let looks = Work {
+            layer_searches: self.apart.looks(),
+            ..Work::default()
+        };
+        match self.watching {
+            true => (!self.folds.tripped()).then(|| self.folds.work()),
+            false => Some(looks),
+        }
     }
 
     /// Takes `count` substeps of `dt` and returns the contacts at the end, with the largest motion of the sheet against an
@@ -140,9 +170,15 @@ impl Explicit {
         let breeze = Breeze::of(model, state);
         let mut forces = vec![[0.0; 4]; nodes.len()];
         let mut before_last = vec![];
-        if model.layers.is_some() {
+        self.watching |= !Apart::pays(count);
+        let watched = model.layers.filter(|_| self.watching);
+        let passed = model.layers.is_some() && !self.watching;
+        if watched.is_some() {
             let limit = self.limits.under(model, 1);
             self.folds.begin(model, (&nodes, &rates), dt, limit);
+        }
+        if passed {
+            self.apart.begin(&nodes, vertices);
         }
         for substep in 0..count {
             let time = model.script_time(state, moment(substep + 1));
@@ -163,7 +199,7 @@ impl Explicit {
             let motion = (time, fastest, dt);
             self.meeting
                 .push(model, state, moving, masses, motion, &mut forces);
-            if let Some(law) = &model.layers {
+            if let Some(law) = &watched {
                 let motion = (dt, fastest);
                 self.folds
                     .push(model, law, moving, motion, masses, &mut forces);
@@ -186,9 +222,12 @@ impl Explicit {
             }
             let sheet = (&self.inverse_mass[..], &nodes[..]);
             self.meeting.brake(model, state, sheet, &mut rates, dt);
-            if let Some(law) = &model.layers {
+            if let Some(law) = &watched {
                 let taken = self.folds.rub(law, &self.inverse_mass, &mut rates, dt);
                 taken.book(&mut state.ledger);
+            }
+            if passed {
+                self.apart.pass(&nodes, vertices, (substep + 1, count));
             }
         }
         for n in vertices..nodes.len() {
