@@ -34,7 +34,7 @@ pub struct Energies {
 pub struct Work {
     /// Substeps taken (1 for an implicit step that converged at once).
     pub substeps: u64,
-    /// Attempts that did not converge, or whose error was too large, and were repeated smaller.
+    /// Attempts that did not converge, whose error was too large, or in which something met unforeseen, and were repeated.
     pub rejected: u64,
     /// Iterations of the solver.
     pub iterations: u64,

@@ -38,8 +38,8 @@ pub fn log(level: Level, text: &str, time: f64) -> Result<Packet, CdrError> {
     packet(&channels::LOG, time, &message)
 }
 
-/// The state of the run for `/diagnostics`: an error if a step did not converge, a warning if something was
-/// dropped, malformed or late.
+/// The state of the run for `/diagnostics`: an error if a step did not converge or missed its tolerance, a warning if
+/// something was dropped, malformed or late.
 pub fn diagnostics(report: &StepReport, counters: &Counters) -> Result<Packet, CdrError> {
     let counts = [
         ("overruns", counters.overruns),
@@ -51,7 +51,7 @@ pub fn diagnostics(report: &StepReport, counters: &Counters) -> Result<Packet, C
     let (level, message) = match (report.converged, troubles.is_empty()) {
         (false, _) => (
             DiagnosticStatus::ERROR,
-            "the step did not converge".to_string(),
+            "the step did not converge, or missed its step_tolerance".to_string(),
         ),
         (true, true) => (DiagnosticStatus::OK, "running".to_string()),
         (true, false) => {
