@@ -87,8 +87,8 @@ fn comes_within(edges: bool, mut x: [Point; 4], mut motion: [Point; 4], reach: f
     let split = if edges { 2 } else { 1 };
     let mean = (motion[0] + motion[1] + motion[2] + motion[3]) * 0.25;
     motion.iter_mut().for_each(|m| *m -= mean);
-    let longest = |part: &[Point]| part.iter().map(Point::norm).fold(0.0, max);
-    let speed = longest(&motion[..split]) + longest(&motion[split..]);
+    let square = |part: &[Point]| part.iter().map(Point::norm_squared).fold(0.0, max);
+    let speed = square(&motion[..split]).sqrt() + square(&motion[split..]).sqrt();
     let mut share = 0.0;
     for _ in 0..MOST_ADVANCES {
         let distance = between(edges, &x);
