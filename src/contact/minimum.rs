@@ -108,16 +108,6 @@ fn minimum_on_line(shape: &Shape, ends: [Vector3<f64>; 2], start: f64) -> (f64, 
     }
 }
 
-/// Half the edges of the box that a shape is round about, if it is one: a point for a ball, the axis for a capsule.
-fn core_box(shape: &Shape) -> Option<Vector3<f64>> {
-    match *shape {
-        Shape::Box { size } => Some(Vector3::from(size) * 0.5),
-        Shape::Sphere { .. } => Some(Vector3::zeros()),
-        Shape::Capsule { length, .. } => Some(Vector3::new(0.0, 0.0, 0.5 * length)),
-        _ => None,
-    }
-}
-
 /// The same outside of a box, `None` where the way leads into it. The square of the distance is quadratic as long as
 /// the way is beyond the same sides.
 fn beside_box(half: &Vector3<f64>, ends: [Vector3<f64>; 2], start: f64) -> Option<f64> {
@@ -268,6 +258,16 @@ fn farthest(shape: &Shape, direction: &Vector3<f64>) -> Option<Vector3<f64>> {
         Shape::Disc { radius } => on_rim(radius, 0.0),
         Shape::Cylinder { radius, length } => on_rim(radius, 0.5 * length),
         _ => core_box(shape).map(|half| half.zip_map(direction, f64::copysign)),
+    }
+}
+
+/// Half the edges of the box that a shape is round about, if it is one: a point for a ball, the axis for a capsule.
+fn core_box(shape: &Shape) -> Option<Vector3<f64>> {
+    match *shape {
+        Shape::Box { size } => Some(Vector3::from(size) * 0.5),
+        Shape::Sphere { .. } => Some(Vector3::zeros()),
+        Shape::Capsule { length, .. } => Some(Vector3::new(0.0, 0.0, 0.5 * length)),
+        _ => None,
     }
 }
 

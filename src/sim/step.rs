@@ -248,12 +248,12 @@ pub fn explicit_step(
 ) -> Result<Touch, Diverged> {
     let start = state.clone();
     explicit.expect_layers(model, state, near, report.dt);
-    let mut taken = substeps(model, explicit, substep, state, report)?;
+    let mut taken = substeps(model, explicit, substep, (&start, state), report)?;
     if explicit.missed_layers(model) {
         report.work.rejected += 1;
         state.clone_from(&start);
         explicit.watch_layers();
-        taken = substeps(model, explicit, substep, state, report)?;
+        taken = substeps(model, explicit, substep, (&start, state), report)?;
     }
     let (touch, dt) = taken;
     report.work += explicit.layer_work().unwrap_or_default();
@@ -261,12 +261,12 @@ pub fn explicit_step(
     found(model, state, dt, advice).map(|()| touch)
 }
 
-/// Substeps of a length that obstacles and layers bear, with that length \[s\].
+/// Substeps of a length that obstacles and layers bear, from the start that the state is at; with that length \[s\].
 fn substeps(
     model: &Model,
     explicit: &mut Explicit,
     substep: f64,
-    state: &mut State,
+    (start, state): (&State, &mut State),
     report: &mut StepReport,
 ) -> Result<(Touch, f64), Diverged> {
     let substep = match model.scene.method.limit {
@@ -274,7 +274,6 @@ fn substeps(
         StableLimit::Ignore => substep,
     };
     let mut parts = parts(report.dt, substep);
-    let start = state.clone();
     loop {
         let dt = report.dt / parts as f64;
         let (touch, haste) = explicit.advance(model, state, dt, parts);
@@ -283,7 +282,7 @@ fn substeps(
         let void = explicit.layer_work().is_none();
         if void && parts >= MOST_PARTS {
             let advice = "layers of cloth meet too hard; try a smaller method.dt or a finer mesh";
-            return Err(failure(model, &start, (f64::INFINITY, 0), advice.into()));
+            return Err(failure(model, start, (f64::INFINITY, 0), advice.into()));
         }
         let safe = haste <= 1.0 || !haste.is_finite() || parts >= MOST_PARTS;
         let ignored = model.scene.method.limit == StableLimit::Ignore;
@@ -293,7 +292,7 @@ fn substeps(
         // Too fast to be seen coming: once more in smaller substeps.
         report.work.rejected += 1;
         parts = (parts as f64 * (1.2 * haste).min(16.0)).ceil() as u64;
-        state.clone_from(&start);
+        state.clone_from(start);
     }
 }
 

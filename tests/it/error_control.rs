@@ -6,6 +6,7 @@ use toile::sim::{Simulation, Work};
 
 use crate::commands::{add, plate, sheet};
 use crate::lab::{built_in, simulation};
+use crate::order::SOFT;
 use crate::scene::{GOOD, sets};
 
 const SCHEMES: [Scheme; 3] = [
@@ -16,15 +17,7 @@ const SCHEMES: [Scheme; 3] = [
 
 /// A coarse strip with soft yarns, so that an order shows (see `order`), with these keys.
 fn strip(set: &[&str]) -> Scene {
-    let soft = [
-        "duration=0.15",
-        "sheet.triangles=16",
-        "method.tolerance=1e-9",
-        "fabric.young_warp=6.33e4",
-        "fabric.young_weft=2.55e4",
-        "fabric.shear_modulus=1.82e4",
-    ];
-    built_in("strip-release", &[&soft[..], set].concat())
+    built_in("strip-release", &[&SOFT[..], set].concat())
 }
 
 /// Places at five times of a run, and what it took.

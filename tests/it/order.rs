@@ -6,6 +6,16 @@ use crate::lab::{Table, built_in, reading, simulation, slopes};
 
 const STRIP: &str = include_str!("../references/strip_release_F1warp_L100_mu0.0.csv");
 
+/// A coarse strip in full swing, its yarns a hundred times softer than F1's.
+pub const SOFT: [&str; 6] = [
+    "duration=0.15",
+    "sheet.triangles=16",
+    "method.tolerance=1e-9",
+    "fabric.young_warp=6.33e4",
+    "fabric.young_weft=2.55e4",
+    "fabric.shear_modulus=1.82e4",
+];
+
 /// Places of all vertices of a coarse released strip at some times in full swing \[m\].
 ///
 /// The sudden release excites every mode, and an order shows only where the steps resolve all that ring. F1's own
@@ -16,17 +26,7 @@ fn swing(scheme: &str, dt: f64, extra: &[&str]) -> Vec<Vector3<f64>> {
         format!("method.scheme={scheme}"),
         format!("method.dt={dt:e}"),
     );
-    let mut set = vec![
-        &*scheme,
-        &dt,
-        "duration=0.15",
-        "sheet.triangles=16",
-        "method.tolerance=1e-9",
-        "fabric.young_warp=6.33e4",
-        "fabric.young_weft=2.55e4",
-        "fabric.shear_modulus=1.82e4",
-    ];
-    set.extend(extra);
+    let set = [&[&*scheme, &*dt], &SOFT[..], extra].concat();
     let scene = built_in("strip-release", &set);
     let mut simulation = simulation(&scene);
     let mut places = vec![];

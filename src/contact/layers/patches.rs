@@ -106,7 +106,9 @@ impl Stand {
             }
             let (from, to) = (&before.frames[n], &self.frames[n]);
             let pairs = self.seen[range.clone()].iter().zip(&before.seen[range]);
-            let square = pairs.map(|(a, b)| (a - b).norm_squared()).fold(0.0, most);
+            // Bits of squares are in the order of the squares, and above them all where one is no number.
+            let squares = pairs.map(|(a, b)| (a - b).norm_squared().to_bits());
+            let square = f64::from_bits(squares.max().unwrap_or_default());
             motions.push(Motion {
                 from: from.middle,
                 to: to.middle,
@@ -153,9 +155,4 @@ impl Motion {
 /// Spectral norm of the difference of two rotations: its singular values are 2 sin(t/2), twice, and zero.
 fn angle(difference: &Matrix3<f64>) -> f64 {
     (0.5 * difference.norm_squared()).sqrt()
-}
-
-/// The larger of two, which is no number if the second is none.
-fn most(a: f64, b: f64) -> f64 {
-    if b <= a { a } else { b }
 }

@@ -84,11 +84,7 @@ pub fn may_meet(
 
 /// The same for one pair, by conservative advancement; a twentieth more than `reach` counts as within.
 fn comes_within(edges: bool, mut x: [Point; 4], mut motion: [Point; 4], reach: f64) -> bool {
-    let split = if edges { 2 } else { 1 };
-    let mean = (motion[0] + motion[1] + motion[2] + motion[3]) * 0.25;
-    motion.iter_mut().for_each(|m| *m -= mean);
-    let square = |part: &[Point]| part.iter().map(Point::norm_squared).fold(0.0, max);
-    let speed = square(&motion[..split]).sqrt() + square(&motion[split..]).sqrt();
+    let speed = part_ways(&mut motion, if edges { 2 } else { 1 });
     let mut share = 0.0;
     for _ in 0..MOST_ADVANCES {
         let distance = between(edges, &x);
@@ -114,10 +110,7 @@ pub(super) fn advance(edges: bool, mut x: [Point; 4], mut motion: [Point; 4], mo
     if separate(&x, &motion, split, most) {
         return most;
     }
-    let mean = (motion[0] + motion[1] + motion[2] + motion[3]) * 0.25;
-    motion.iter_mut().for_each(|m| *m -= mean);
-    let longest = |part: &[Point]| part.iter().map(Point::norm).fold(0.0, f64::max);
-    let speed = longest(&motion[..split]) + longest(&motion[split..]);
+    let speed = part_ways(&mut motion, split);
     let start = between(edges, &x);
     if start < CROSSED || start * (1.0 - KEPT) >= speed * most {
         return most;
@@ -138,6 +131,14 @@ pub(super) fn advance(edges: bool, mut x: [Point; 4], mut motion: [Point; 4], mo
         share += ahead;
     }
     share
+}
+
+/// Takes off what two features move in common, and bounds how fast they come nearer \[m\].
+fn part_ways(motion: &mut [Point; 4], split: usize) -> f64 {
+    let mean = (motion[0] + motion[1] + motion[2] + motion[3]) * 0.25;
+    motion.iter_mut().for_each(|m| *m -= mean);
+    let square = |part: &[Point]| part.iter().map(Point::norm_squared).fold(0.0, max);
+    square(&motion[..split]).sqrt() + square(&motion[split..]).sqrt()
 }
 
 fn separate(x: &[Point; 4], motion: &[Point; 4], split: usize, most: f64) -> bool {

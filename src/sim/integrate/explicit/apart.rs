@@ -1,8 +1,8 @@
 //! Whether layers stayed apart in a run of substeps, seen afterwards: a run in which they did needs no other look.
 //!
 //! A few moments of the run are kept. Between two of them the sheet is taken to have moved straight but for what the
-//! moment midway departs from that, half of which is added. Where that is too much, or layers come within it, the
-//! two halves are looked at, down to three moments in a row.
+//! moment midway departs from that, and half as much again. Where that is too much, or layers come within it, the two
+//! halves are looked at, down to three moments in a row.
 
 use nalgebra::Vector3;
 
@@ -96,7 +96,7 @@ impl Apart {
 fn off_straight(from: &[Vector3<f64>], midway: &[Vector3<f64>], to: &[Vector3<f64>]) -> f64 {
     let ways = from.iter().zip(midway).zip(to);
     let squares = ways.map(|((a, m), b)| (m - (a + b) * 0.5).norm_squared());
-    // `f64::max` would pass over what is not a number.
-    let most = squares.fold(0.0, |most: f64, s| if s <= most { most } else { s });
-    2.0 * ROUNDER * most.sqrt()
+    // Bits of squares are in the order of the squares, and above them all where one is no number.
+    let most = squares.map(f64::to_bits).max().unwrap_or_default();
+    2.0 * ROUNDER * f64::from_bits(most).sqrt()
 }
