@@ -109,6 +109,7 @@ impl Explicit {
     /// Says whether layers are near where a step of `span` starts \[s\]: if not, and they do not go to meet either, they
     /// are looked at when it is over.
     pub fn expect_layers(&mut self, model: &Model, state: &State, near: bool, span: f64) {
+        self.apart.forget();
         self.watching = near || model.layers.is_some() && self.apart.ahead(model, state, span);
     }
 
@@ -124,14 +125,13 @@ impl Explicit {
 
     /// What layers took in the last run of substeps; `None` if those were too long, and what they led to is void.
     pub fn layer_work(&self) -> Option<Work> {
-        let looks = Work {
-            layer_searches: self.apart.looks(),
-            ..Work::default()
+        let mut work = match self.watching {
+            true if self.folds.tripped() => return None,
+            true => self.folds.work(),
+            false => Work::default(),
         };
-        match self.watching {
-            true => (!self.folds.tripped()).then(|| self.folds.work()),
-            false => Some(looks),
-        }
+        work.layer_searches += self.apart.looks();
+        Some(work)
     }
 
     /// Takes `count` substeps of `dt` and returns the contacts at the end, with the largest motion of the sheet against an

@@ -38,6 +38,7 @@ impl Apart {
     pub fn ahead(&mut self, model: &Model, state: &State, span: f64) -> bool {
         let moving = state.positions.iter().zip(&state.velocities);
         let to: Vec<_> = moving.map(|(x, v)| x + v * span).collect();
+        self.looks += 1;
         let (sheet, way) = ((&model.tiles, &model.mesh), [&state.positions[..], &to]);
         may_meet(&mut self.sweep, sheet, way, model.tiles.thickness())
     }
@@ -45,7 +46,6 @@ impl Apart {
     /// Begins a run at `nodes`, whose first `vertices` are positions.
     pub fn begin(&mut self, nodes: &[Lanes], vertices: usize) {
         self.moments.clear();
-        self.looks = 0;
         self.keep(nodes, vertices);
     }
 
@@ -66,7 +66,12 @@ impl Apart {
         self.held_between(model, 0, self.moments.len() - 1)
     }
 
-    /// Times that a way was looked at.
+    /// Begins a step.
+    pub fn forget(&mut self) {
+        self.looks = 0;
+    }
+
+    /// Times that a way was looked at in the step.
     pub fn looks(&self) -> u64 {
         self.looks
     }
