@@ -16,7 +16,7 @@ pub(super) struct ReplayArgs {
     /// Start from the last keyframe at or before this step instead of the beginning.
     #[arg(long, value_name = "STEP")]
     from: Option<u64>,
-    /// Threads of the solver; the result does not depend on it.
+    /// Threads of a step; the result does not depend on it.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: u16,
     /// A JSON object instead of the summary.

@@ -59,7 +59,7 @@ pub(super) struct RunArgs {
     /// Seed of the perturbed start (sets perturbation.seed).
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     seed: Option<String>,
-    /// Threads of the solver; the result does not depend on it.
+    /// Threads of a step; the result does not depend on it.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: u16,
     /// Simulated against wall time: free (as fast as possible), real, a factor such as 0.5, or lockstep (steps only

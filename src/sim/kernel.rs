@@ -3,6 +3,7 @@
 //! The same energies as `physics::stretch` and `physics::bend` (a test holds them together), laid out for speed:
 //! four faces stand side by side, so each line below is a few vector instructions.
 
+mod order;
 mod pass;
 
 use nalgebra::{Matrix2, Matrix3, Vector2};
@@ -13,11 +14,13 @@ use pulp::x86::{V3, V4};
 use super::lanes::Lanes;
 use super::model::Model;
 use super::wide::Plain;
-use crate::math::sparse::NO_SLOT;
 use crate::physics::Potential;
+use order::pack;
+pub use order::{along, order};
 use pass::Pass;
 
 /// Constants of the faces.
+#[derive(Default)]
 pub struct Kernel {
     faces: Vec<Faces>,
     unit: Unit,
@@ -34,8 +37,8 @@ enum Unit {
     Plain,
 }
 
-impl Unit {
-    fn find() -> Self {
+impl Default for Unit {
+    fn default() -> Self {
         #[cfg(target_arch = "x86_64")]
         if let Some(unit) = V4::try_new() {
             return Self::Avx512(unit);
@@ -67,7 +70,7 @@ struct Face {
 }
 
 impl Face {
-    fn new(model: &Model, f: usize) -> Self {
+    fn new(model: &Model, f: usize, local: impl Fn(u32) -> u32) -> Self {
         let mesh = &model.mesh;
         let shape = mesh.shape_gradients(f);
         let [_, g1, g2] = shape;
@@ -80,7 +83,7 @@ impl Face {
         let by_slopes = model.bend.matrix(f);
         let pairs = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)];
         Self {
-            nodes: model.bend.nodes(f),
+            nodes: model.bend.nodes(f).map(local),
             rest: rest(&g1, &g2),
             membrane: membrane(model, f, &g1, &g2),
             flat,
@@ -127,32 +130,34 @@ struct Faces {
 }
 
 impl Faces {
-    fn new<'a>(faces: impl Iterator<Item = &'a Face>) -> Self {
-        let mut four = Self::default();
-        for (i, face) in faces.enumerate() {
-            (0..6).for_each(|k| four.nodes[k][i] = face.nodes[k]);
-            (0..3).for_each(|k| four.rest[k][i] = face.rest[k]);
-            (0..6).for_each(|k| four.membrane[k][i] = face.membrane[k]);
-            (0..3).for_each(|k| (0..2).for_each(|d| four.flat[k][d][i] = face.flat[k][d]));
-            (0..6).for_each(|k| four.bending[k][i] = face.bending[k]);
-        }
-        four
+    fn set(&mut self, i: usize, face: &Face) {
+        (0..6).for_each(|k| self.nodes[k][i] = face.nodes[k]);
+        (0..3).for_each(|k| self.rest[k][i] = face.rest[k]);
+        (0..6).for_each(|k| self.membrane[k][i] = face.membrane[k]);
+        (0..3).for_each(|k| (0..2).for_each(|d| self.flat[k][d][i] = face.flat[k][d]));
+        (0..6).for_each(|k| self.bending[k][i] = face.bending[k]);
     }
 }
 
 impl Kernel {
     /// Lays out a model's faces.
     pub fn new(model: &Model) -> Self {
-        let moves = moving(model);
-        let faces = (0..model.mesh.faces.len()).filter(|&f| {
-            let nodes = model.bend.nodes(f);
-            nodes.iter().any(|&node| moves[node as usize])
-        });
-        let faces: Vec<Face> = faces.map(|f| Face::new(model, f)).collect();
-        Self {
-            faces: spread(&faces),
-            unit: Unit::find(),
+        Self::of(model, &order(model), |node| node)
+    }
+
+    /// Lays out some faces, in their [`order`], on nodes that `local` numbers anew. Forces on a node come to the same bits
+    /// as from all faces, if all of the node's are there.
+    pub fn of(model: &Model, faces: &[usize], local: impl Fn(u32) -> u32) -> Self {
+        let faces: Vec<Face> = faces.iter().map(|&f| Face::new(model, f, &local)).collect();
+        let fours = pack(faces.iter().map(|face| face.nodes));
+        let mut laid = Self::default();
+        for (face, (four, place)) in faces.iter().zip(fours) {
+            if laid.faces.len() <= four {
+                laid.faces.resize_with(four + 1, Faces::default);
+            }
+            laid.faces[four].set(place, face);
         }
+        laid
     }
 
     /// Subtracts the energies' derivative at `nodes` from `forces` \[N, N·m\].
@@ -166,23 +171,4 @@ impl Kernel {
             Unit::Plain => pulp::Arch::new().dispatch(Pass::new(Plain, faces, nodes, forces)),
         }
     }
-}
-
-/// Fours of faces that are far from each other: neighbours would have to wait for each other's forces on the nodes that
-/// they share.
-fn spread(faces: &[Face]) -> Vec<Faces> {
-    let fours = faces.len().div_ceil(4);
-    let four = |n: usize| Faces::new(faces.iter().skip(n).step_by(fours));
-    (0..fours).map(four).collect()
-}
-
-/// Nodes that are free, or that a support moves; a face without one never changes, and its forces act on supports that do
-/// no work.
-fn moving(model: &Model) -> Vec<bool> {
-    let free = |index: &[u32; 3]| *index != [NO_SLOT; 3];
-    let mut moves: Vec<bool> = model.dofs.index.iter().map(free).collect();
-    for (node, _) in model.carried.iter().flat_map(|carried| carried.held()) {
-        moves[node] = true;
-    }
-    moves
 }

