@@ -3,7 +3,9 @@
 use nalgebra::Vector3;
 
 use super::detect::{Scratch, edge_pair, vertex_pairs};
-use super::fit::{Fit, closer, features, nodes, separated};
+use super::features::{closer, features, nodes};
+use super::fit::Fit;
+use super::plane::separated;
 use super::rooms::Rooms;
 use super::{Pair, Tiles};
 use crate::sheet::Mesh;
@@ -116,12 +118,12 @@ impl Candidates {
                 self.rooms.enter([a, b], clear - thickness);
             }
         }
-        for (kind, list) in tiles.near.iter().enumerate() {
-            for &pair in list {
-                if self.rooms.is_stale(tiles.patches_of(kind == 1, pair)) {
-                    look(kind == 1, pair);
-                }
-            }
+        let stale = tiles
+            .near
+            .iter()
+            .filter(|near| self.rooms.is_stale(near.patches));
+        for &(edges, pair) in stale.flat_map(|near| &near.pairs) {
+            look(edges, pair);
         }
         for list in &mut self.found {
             list.sort_unstable_by_key(|(pair, _)| *pair);

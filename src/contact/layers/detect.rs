@@ -204,7 +204,7 @@ pub fn edge_pair(
     [first, second]: [u32; 2],
     reach: f64,
 ) -> (f64, Option<Pair>) {
-    let nodes = super::fit::nodes(mesh, true, [first, second]);
+    let nodes = super::features::nodes(mesh, true, [first, second]);
     let [a, b, c, d] = nodes.map(|v| &positions[v as usize]);
     let [s, t] = segment_to_segment(a, b, c, d);
     let distance = (a + (b - a) * s - c - (d - c) * t).norm();

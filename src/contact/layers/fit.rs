@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::bounds::{Bounds, Spread, max, min};
-use super::closest::between;
-use super::tiles::{Level, Tiles};
+use super::bounds::{Bounds, Spread, max};
+use super::features::{closer, features};
+use super::tiles::{Level, NEAR_LEVEL, Near, Tiles};
 use crate::sheet::Mesh;
 
 type Point = Vector3<f64>;
@@ -217,6 +217,21 @@ impl Fit {
         }
     }
 
+    /// Least stretch over the rectangle that holds the tiles of features that are near in the flat sheet; negative if
+    /// nothing is known.
+    pub(super) fn stretch(&self, tiles: &Tiles, near: &Near) -> f64 {
+        let level = NEAR_LEVEL.min(tiles.levels.len() - 1);
+        let (grid, two) = (tiles.levels[level], near.tiles.map(|t| t as usize));
+        match grid.beside(two) {
+            true => self.least(
+                level,
+                grid,
+                two.map(|t| [t % grid.columns, t / grid.columns]),
+            ),
+            false => -1.0,
+        }
+    }
+
     /// Least stretch over the rectangle that holds two tiles that touch; negative if nothing is known.
     fn least(&self, level: usize, grid: Level, [a, b]: [[usize; 2]; 2]) -> f64 {
         let mut parts = [Spread::NOTHING; 4];
@@ -293,96 +308,4 @@ fn children(fine: Level, [i, j]: [usize; 2]) -> impl Iterator<Item = [usize; 2]>
     let columns = 2 * i..(2 * i + 2).min(fine.columns);
     let rows = 2 * j..(2 * j + 2).min(fine.rows);
     rows.flat_map(move |j| columns.clone().map(move |i| [i, j]))
-}
-
-/// Calls `each` with the pairs of features that two faces answer for and that share no vertex: a vertex and a face
-/// (false), or two edges (true), the smaller first.
-#[inline]
-pub(super) fn features(
-    tiles: &Tiles,
-    mesh: &Mesh,
-    pair: [u32; 2],
-    mut each: impl FnMut(bool, [u32; 2]),
-) {
-    for [f, g] in [pair, [pair[1], pair[0]]] {
-        let corners = mesh.faces[g as usize];
-        for v in mesh.faces[f as usize] {
-            if tiles.vertex_keeper[v as usize] == f && !corners.contains(&v) {
-                each(false, [v, g]);
-            }
-        }
-    }
-    let [f, g] = pair;
-    for a in mesh.face_edges[f as usize] {
-        if tiles.edge_keeper[a as usize] != f {
-            continue;
-        }
-        let [p, q] = mesh.edges[a as usize];
-        for b in mesh.face_edges[g as usize] {
-            let ends = mesh.edges[b as usize];
-            if tiles.edge_keeper[b as usize] == g && !ends.contains(&p) && !ends.contains(&q) {
-                each(true, [a.min(b), a.max(b)]);
-            }
-        }
-    }
-}
-
-/// Whether a plane across the line between their centres keeps two faces `reach` apart: most have long not touched, and
-/// their features need no look.
-#[inline]
-pub(super) fn separated(mesh: &Mesh, positions: &[Point], faces: [u32; 2], reach: f64) -> bool {
-    let corner = |f: u32, k: usize| positions[mesh.faces[f as usize][k] as usize];
-    let [f, g] = faces;
-    let (a, b, c) = (corner(f, 0), corner(f, 1), corner(f, 2));
-    let (d, e, h) = (corner(g, 0), corner(g, 1), corner(g, 2));
-    let line = (d + e + h) - (a + b + c);
-    let first = max(line.dot(&a), max(line.dot(&b), line.dot(&c)));
-    let second = min(line.dot(&d), min(line.dot(&e), line.dot(&h)));
-    let gap = second - first;
-    gap >= 0.0 && gap * gap >= reach * reach * line.norm_squared()
-}
-
-/// The four nodes of a pair of features.
-#[inline]
-pub(super) fn nodes(mesh: &Mesh, edges: bool, [first, second]: [u32; 2]) -> [u32; 4] {
-    if edges {
-        let ([a, b], [c, d]) = (mesh.edges[first as usize], mesh.edges[second as usize]);
-        [a, b, c, d]
-    } else {
-        let [a, b, c] = mesh.faces[second as usize];
-        [first, a, b, c]
-    }
-}
-
-/// Distance of a pair of features \[m\] if it is below `reach`.
-#[inline]
-pub(super) fn closer(
-    mesh: &Mesh,
-    positions: &[Point],
-    (edges, pair): (bool, [u32; 2]),
-    reach: f64,
-) -> Option<f64> {
-    let x = nodes(mesh, edges, pair).map(|v| positions[v as usize]);
-    // Most pairs are apart along an axis, which is cheap to see.
-    for k in 0..3 {
-        let [a, b, c, d] = [x[0][k], x[1][k], x[2][k], x[3][k]];
-        let (first, second) = match edges {
-            true => ([min(a, b), max(a, b)], [min(c, d), max(c, d)]),
-            false => ([a, a], [min(b, min(c, d)), max(b, max(c, d))]),
-        };
-        if first[0] - second[1] >= reach || second[0] - first[1] >= reach {
-            return None;
-        }
-    }
-    let distance = between(edges, &x);
-    (distance < reach).then_some(distance)
-}
-
-/// Distance of a pair of features \[m\].
-#[cfg(test)]
-pub(super) fn distance(mesh: &Mesh, positions: &[Point], edges: bool, pair: [u32; 2]) -> f64 {
-    between(
-        edges,
-        &nodes(mesh, edges, pair).map(|v| positions[v as usize]),
-    )
 }

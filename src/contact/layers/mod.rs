@@ -9,10 +9,12 @@ mod candidates;
 mod closest;
 mod crossing;
 mod detect;
+mod features;
 mod fit;
 #[cfg(test)]
 mod motion_test;
 mod patches;
+mod plane;
 mod rooms;
 mod sweep;
 #[cfg(test)]

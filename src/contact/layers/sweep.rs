@@ -6,7 +6,10 @@ use nalgebra::Vector3;
 use super::Tiles;
 use super::bounds::max;
 use super::closest::between;
-use super::fit::{Fit, features, nodes};
+use super::features::{features, nodes};
+use super::fit::Fit;
+use super::plane::separated_throughout;
+use super::tiles::Near;
 use crate::sheet::Mesh;
 
 type Point = Vector3<f64>;
@@ -48,8 +51,8 @@ pub fn safe_share(
     sweep.fit.near_faces(tiles, reach, |f, g| {
         features(tiles, mesh, [f, g], &mut look)
     });
-    for (kind, list) in tiles.near.iter().enumerate() {
-        list.iter().for_each(|&pair| look(kind == 1, pair));
+    for &(edges, pair) in tiles.near.iter().flat_map(|near| &near.pairs) {
+        look(edges, pair);
     }
     share
 }
@@ -73,11 +76,19 @@ pub fn may_meet(
         let motion = stencil.map(|v| to[v as usize] - from[v as usize]);
         met = comes_within(edges, x, motion, reach) && !tiles.excludes(edges, pair);
     };
-    for (kind, list) in tiles.near.iter().enumerate() {
-        list.iter().for_each(|&pair| look(kind == 1, pair));
+    let told = |near: &&Near| sweep.fit.stretch(tiles, near) * near.least >= reach;
+    for &(edges, pair) in tiles
+        .near
+        .iter()
+        .filter(|near| !told(near))
+        .flat_map(|near| &near.pairs)
+    {
+        look(edges, pair);
     }
     sweep.fit.near_faces(tiles, reach, |f, g| {
-        features(tiles, mesh, [f, g], &mut look)
+        if !separated_throughout(mesh, [from, to], [f, g], reach) {
+            features(tiles, mesh, [f, g], &mut look);
+        }
     });
     met
 }

@@ -3,7 +3,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::closest::between;
-use super::fit::{Fit, distance, features, nodes};
+use super::features::{distance, features, nodes};
+use super::fit::Fit;
 use super::sweep::advance;
 use super::{Candidates, Pair, Sweep, Tiles, crosses, crossings, safe_share};
 use crate::sheet::{Mesh, MeshOptions, Outline, generate};

@@ -6,6 +6,8 @@
 //! `(sigma_min(M) - r) span`. It takes the place of the normal cone with its contour (Volino, Magnenat-Thalmann
 //! 1994), which tells crossing from not crossing, but knows no distance.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Vector2, Vector3};
 
 use super::fit::Fit;
@@ -17,6 +19,8 @@ const SIDE: f64 = 1.7;
 /// Least span over the thickness, and over the mean length of an edge.
 const LEAST_SPAN: f64 = 2.5;
 const SPAN: f64 = 0.8;
+/// Level of the tiles by which features that are near in the flat sheet are grouped: of two by two finest ones.
+pub(super) const NEAR_LEVEL: usize = 1;
 /// Patches at most.
 const MOST_PATCHES: usize = 128;
 
@@ -53,6 +57,17 @@ impl Level {
     }
 }
 
+/// Features of two tiles of [`NEAR_LEVEL`] that are near in the flat sheet.
+#[derive(Clone, Debug)]
+pub(super) struct Near {
+    pub tiles: [u32; 2],
+    pub patches: [u32; 2],
+    /// Least distance of a pair in the flat sheet \[m\].
+    pub least: f64,
+    /// Of two edges (true), or of a vertex and a face.
+    pub pairs: Vec<(bool, [u32; 2])>,
+}
+
 /// The flat sheet cut into tiles, and what of it is near in the flat state already.
 #[derive(Clone, Debug)]
 pub struct Tiles {
@@ -74,8 +89,8 @@ pub struct Tiles {
     patch_of_face: Vec<u32>,
     /// Faces around each vertex; zero on the boundary.
     stars: Vec<u8>,
-    /// Pairs of a vertex and a face, and of two edges, closer than `span` in the flat sheet but for the excluded.
-    pub(super) near: [Vec<[u32; 2]>; 2],
+    /// Features closer than `span` in the flat sheet but for the excluded, by their tiles.
+    pub(super) near: Vec<Near>,
     /// Pairs closer than an arc of half the thickness in radius is long: cloth does not fold so tightly.
     excluded: [Vec<[u32; 2]>; 2],
     span: f64,
@@ -96,13 +111,29 @@ impl Tiles {
         fit.over(&tiles, mesh, &[&flat]);
         let found = fit.flat_pairs(&tiles, mesh, &flat, span);
         let least = std::f64::consts::FRAC_PI_2 * thickness;
+        let mut near: BTreeMap<[u32; 2], Near> = BTreeMap::new();
+        let tile_of_face = tiles.tile_of_face(NEAR_LEVEL);
         for (kind, found) in found.into_iter().enumerate() {
-            let (excluded, near): (Vec<_>, Vec<_>) = found
-                .into_iter()
-                .partition(|(_, distance)| *distance < least);
-            tiles.near[kind] = near.into_iter().map(|(pair, _)| pair).collect();
-            tiles.excluded[kind] = excluded.into_iter().map(|(pair, _)| pair).collect();
+            for (pair, distance) in found {
+                if distance < least {
+                    tiles.excluded[kind].push(pair);
+                    continue;
+                }
+                let [a, b] = tiles
+                    .keepers(kind == 1, pair)
+                    .map(|f| tile_of_face[f as usize]);
+                let two = [a.min(b), a.max(b)];
+                let of_two = near.entry(two).or_insert(Near {
+                    tiles: two,
+                    patches: tiles.patches_of(kind == 1, pair),
+                    least: distance,
+                    pairs: vec![],
+                });
+                of_two.least = of_two.least.min(distance);
+                of_two.pairs.push((kind == 1, pair));
+            }
         }
+        tiles.near = near.into_values().collect();
         tiles
     }
 
@@ -185,7 +216,7 @@ impl Tiles {
             patches,
             patch_of_face,
             stars,
-            near: Default::default(),
+            near: vec![],
             excluded: Default::default(),
             span: 0.0,
             thickness: 0.0,
@@ -203,12 +234,31 @@ impl Tiles {
     }
 
     /// The patches of a vertex and a face, or of two edges.
-    pub(super) fn patches_of(&self, edges: bool, [first, second]: [u32; 2]) -> [u32; 2] {
-        let faces = match edges {
+    pub(super) fn patches_of(&self, edges: bool, pair: [u32; 2]) -> [u32; 2] {
+        let faces = self.keepers(edges, pair);
+        faces.map(|f| self.patch_of_face[f as usize])
+    }
+
+    /// The faces that answer for a vertex and a face, or for two edges.
+    fn keepers(&self, edges: bool, [first, second]: [u32; 2]) -> [u32; 2] {
+        match edges {
             true => [first, second].map(|e| self.edge_keeper[e as usize]),
             false => [self.vertex_keeper[first as usize], second],
-        };
-        faces.map(|f| self.patch_of_face[f as usize])
+        }
+    }
+
+    /// The tile of a level, or of the coarsest below it, that each face is in.
+    fn tile_of_face(&self, level: usize) -> Vec<u32> {
+        let level = level.min(self.levels.len() - 1);
+        let (finest, grid) = (self.levels[0], self.levels[level]);
+        let mut tiles = vec![0; self.patch_of_face.len()];
+        for (t, faces) in self.owned.iter().enumerate() {
+            let (i, j) = (t % finest.columns, t / finest.columns);
+            for &f in faces {
+                tiles[f as usize] = grid.index([i >> level, j >> level]) as u32;
+            }
+        }
+        tiles
     }
 
     /// The patch that a tile of a level not above that of the patches lies in.

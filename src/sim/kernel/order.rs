@@ -48,7 +48,7 @@ pub fn along(model: &Model) -> Vec<f64> {
         let places = mesh.outline.iter().map(|p| p[axis]);
         places.clone().fold(f64::MIN, f64::max) - places.fold(f64::MAX, f64::min)
     };
-    let axis = usize::from(extent(1) > extent(0));
+    let axis = usize::from(extent(1) >= extent(0));
     let vertices = mesh.outline.iter().map(|p| p[axis]);
     let edges = mesh.edges.iter().map(|ends| {
         let [a, b] = ends.map(|v| mesh.outline[v as usize][axis]);
