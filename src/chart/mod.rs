@@ -5,6 +5,7 @@
 //! - [`drape`]: the audit of the paper's drape tables.
 //! - [`work_precision`]: error against CPU time of every method, step and mesh, failures included.
 //! - [`plan`]: the cheapest method, step and mesh within a tolerance.
+//! - [`mesh_error`]: how far a mesh is from ever finer ones.
 //! - [`waterfall`]: what each economy saves on a scene.
 //! - [`stability`]: where a method converges, goes wrong, is lost: step, stiffness, mesh.
 
@@ -13,6 +14,7 @@ pub mod diagram;
 pub mod drape;
 mod drape_plot;
 mod lettering;
+pub mod mesh_error;
 pub mod peers;
 pub mod picture;
 mod picture_camera;
@@ -23,6 +25,7 @@ mod picture_light;
 mod picture_solids;
 mod picture_strip;
 pub mod plan;
+mod plan_meshes;
 pub mod plot;
 mod plot_frame;
 mod plot_marks;

@@ -1,11 +1,14 @@
 //! The cheapest method, step and mesh that keep what a scene observes within a tolerance, found by trying them.
 //!
-//! The mesh comes first, with the explicit scheme at its limit, whose error in time is far below any tolerance here:
-//! triangles are doubled until what they change is small enough. That run then is the truth in time of its mesh, and
-//! every implicit method is tried against it, from long steps to short, while it is cheaper than the best so far; first
-//! on a mesh of a quarter of the triangles, where one that is far dearer is left.
+//! The mesh comes first, with the explicit scheme at its limit: it is refined until its error is small enough, by the
+//! order with which that is seen to fall. Half the substep there is the truth in time of that mesh, and tells the error of
+//! the limit, which is small unless the sheet whips. Every implicit method is tried against it, from long steps to short,
+//! while it is cheaper than the best so far; first on a mesh of a quarter of the triangles, where one that is far dearer
+//! is left.
 
 use super::course::CpuClock;
+use super::mesh_error::{apart, error_of_change};
+use super::plan_meshes::{Level, meshes};
 use crate::scene::{Method, Scene, Scheme, Solver};
 use crate::sim::{Simulation, Work};
 
@@ -13,20 +16,10 @@ use crate::sim::{Simulation, Work};
 const MOMENTS: u32 = 20;
 /// Halvings of the longest step, a moment's distance, that are tried.
 const HALVINGS: u32 = 9;
-/// Fewest triangles.
-const FEWEST: usize = 50;
-/// Triangles that the scene asks for, over those that are tried first.
-const FIRST: usize = 32;
-/// Exponent of the cost of the explicit scheme by the number of triangles, at least.
-const DEARER: f64 = 1.5;
 /// What a method may cost on a mesh of a quarter of the triangles, over the explicit scheme there, to be tried on the mesh
 /// itself; and what it may cost there in any case \[CPU-s\].
 const DEARER_THERE: f64 = 2.0;
 const LEAST_LOOK: f64 = 0.05;
-/// What a mesh may be expected to cost, over the budget, before a scene is given up without trying what is between.
-const HOPELESS: f64 = 8.0;
-/// Share of the tolerance that the mesh may take.
-const SPACE: f64 = 0.75;
 
 /// A tolerance on what a scene observes, over the largest reading \[-\].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,6 +76,21 @@ pub enum PlanError {
         /// Estimated error of the finest mesh \[-\].
         estimate: f64,
     },
+    /// What is observed depends on the step more than it may.
+    #[error(
+        "no step is within {tolerance} on {triangles} triangles: the mesh may be {:.2} % off, and half the explicit \
+         scheme's substep still {:.2} %; try a wider --tolerance or a shorter --duration", 1e2 * space, 1e2 * time
+    )]
+    TooSensitive {
+        /// Asked for.
+        tolerance: Tolerance,
+        /// Triangles of the mesh.
+        triangles: usize,
+        /// Estimated error of the mesh \[-\].
+        space: f64,
+        /// Estimated error of half the substep \[-\].
+        time: f64,
+    },
     /// A run that must not fail did.
     #[error("{0}")]
     Died(String),
@@ -115,6 +123,8 @@ pub struct Plan {
     pub chosen: Tried,
     /// Estimated errors by the mesh and by the step \[-\].
     pub errors: [f64; 2],
+    /// Order in the element size with which the mesh's error was seen to fall, 0.5 to 2, if it fell regularly \[-\].
+    pub order: Option<f64>,
     /// Meshes, from coarse to fine.
     pub meshes: Vec<Tried>,
     /// Methods on the mesh that was chosen: of each the longest step that holds, or its last try.
@@ -127,7 +137,9 @@ pub(super) struct Seen {
     /// CPU time of its steps \[s\].
     pub cpu: f64,
     pub work: Work,
-    substep: Option<f64>,
+    pub substep: Option<f64>,
+    /// Triangles of the mesh.
+    pub faces: usize,
 }
 
 /// What ends a run early.
@@ -144,15 +156,24 @@ pub fn plan(
     cpu: &mut CpuClock,
     tell: &mut dyn FnMut(&str),
 ) -> Result<Plan, PlanError> {
-    let (levels, space) = meshes(scene, (tolerance, budget), cpu, tell)?;
-    let finest = &levels[levels.len() - 1];
-    let screen = &levels[levels.len().saturating_sub(3)];
-    let left = tolerance.0 - space;
-    let mut best = Tried {
-        error: Some(0.0),
-        ..finest.tried.clone()
+    let (mut levels, error) = meshes(scene, (tolerance, budget), cpu, tell)?;
+    let (finest, space) = (levels.len() - 1, error.error);
+    let mut methods = explicit(scene, &mut levels[finest], cpu, tell)?;
+    let limit = levels[finest].tried.dt;
+    let holds = |t: &&Tried| t.cpu <= budget && t.error.is_some_and(|e| e + space <= tolerance.0);
+    let mut best = match methods.iter().find(holds) {
+        Some(explicit) => explicit.clone(),
+        None => {
+            return Err(PlanError::TooSensitive {
+                tolerance,
+                triangles: methods[0].triangles,
+                space,
+                time: methods[1].error.unwrap_or(f64::INFINITY),
+            });
+        }
     };
-    let mut methods = vec![best.clone()];
+    let (finest, screen) = (&levels[finest], &levels[finest.saturating_sub(2)]);
+    let left = tolerance.0 - space;
     for method in candidates() {
         let most = (DEARER_THERE * screen.tried.cpu).max(LEAST_LOOK);
         let (tried, from) = longest(scene, method, (screen, 0), (left, most), cpu, tell);
@@ -168,17 +189,51 @@ pub fn plan(
         }
     }
     let errors = [space, best.error.unwrap_or(0.0)];
-    let scene = match best.method.scheme {
-        Scheme::CentralDifference => at(scene, best.method, moment(scene), best.triangles),
-        _ => at(scene, best.method, best.dt, best.triangles),
+    let step = match best.method.scheme {
+        Scheme::CentralDifference => moment(scene),
+        _ => best.dt,
     };
+    let mut scene = at(scene, best.method, step, best.triangles);
+    if best.method.scheme == Scheme::CentralDifference && best.dt < limit {
+        scene.method.substep = Some(best.dt);
+    }
     Ok(Plan {
         scene,
         chosen: best,
         errors,
+        order: error.order,
         meshes: levels.into_iter().map(|level| level.tried).collect(),
         methods,
     })
+}
+
+/// The explicit scheme on a mesh at its limit and at half of it, with their errors by their difference at second order;
+/// the readings of the latter are the truth in time of the mesh.
+fn explicit(
+    scene: &Scene,
+    mesh: &mut Level,
+    cpu: &mut CpuClock,
+    tell: &mut dyn FnMut(&str),
+) -> Result<Vec<Tried>, PlanError> {
+    let tried = &mesh.tried;
+    tell(&format!("half the substep, {} triangles", tried.triangles));
+    let mut halved = at(scene, tried.method, moment(scene), tried.triangles);
+    halved.method.substep = Some(0.5 * tried.dt);
+    let seen = run_to_end(&halved, cpu)?;
+    let change = apart(&mesh.readings, &seen.readings);
+    let limit = Tried {
+        error: Some(4.0 / 3.0 * change),
+        ..tried.clone()
+    };
+    let half = Tried {
+        dt: 0.5 * tried.dt,
+        cpu: seen.cpu,
+        work: seen.work,
+        error: Some(change / 3.0),
+        ..tried.clone()
+    };
+    mesh.readings = seen.readings;
+    Ok(vec![limit, half])
 }
 
 /// Tries a method on a mesh, from the step of so many halvings to shorter ones, until it holds what error is left for the
@@ -229,86 +284,6 @@ fn candidates() -> impl Iterator<Item = Method> {
     all.filter(|m| m.scheme != Scheme::CentralDifference && m.solver != Solver::Xpbd)
 }
 
-/// A mesh that was tried, with the readings on it.
-pub(super) struct Level {
-    pub tried: Tried,
-    pub readings: Vec<Vec<f64>>,
-}
-
-/// Doubles triangles until their error is small enough; what was tried, and the error of the last. At second order half
-/// the triangles are twice as far off, so what doubling changes is the error of the finer; half of what the doubling
-/// before changed bounds it where two meshes happen to agree.
-pub(super) fn meshes(
-    scene: &Scene,
-    (tolerance, budget): (Tolerance, f64),
-    cpu: &mut CpuClock,
-    tell: &mut dyn FnMut(&str),
-) -> Result<(Vec<Level>, f64), PlanError> {
-    if scene.observe.is_empty() {
-        return Err(PlanError::NothingObserved(scene.name.clone()));
-    }
-    if scene.method.scheme == Scheme::Equilibrium {
-        return Err(PlanError::NoTime(scene.name.clone()));
-    }
-    let asked = triangles(scene).max(4 * FEWEST);
-    let explicit = Method::from(Scheme::CentralDifference);
-    let mut levels: Vec<Level> = vec![];
-    let mut change = f64::INFINITY;
-    let mut count = (asked / FIRST).max(FEWEST);
-    loop {
-        tell(&format!("mesh of {count} triangles"));
-        let too_fine = |levels: &[Level]| {
-            let finest = levels.last().map(|level| &level.tried);
-            PlanError::TooFine {
-                budget,
-                triangles: finest.map_or(0, |t| t.triangles),
-                cpu: finest.map_or(0.0, |t| t.cpu),
-                tolerance,
-                estimate: finest.and_then(|t| t.error).unwrap_or(f64::INFINITY),
-            }
-        };
-        let seen = match run(&at(scene, explicit, moment(scene), count), budget, cpu) {
-            Ok(seen) => seen,
-            Err(Ended::Died(message)) => return Err(PlanError::Died(message)),
-            Err(Ended::TooDear(..)) => return Err(too_fine(&levels)),
-        };
-        let before = levels.last();
-        let changed = before.map(|level| apart(&level.readings, &seen.readings));
-        let error = changed.map(|changed| changed.max(0.5 * change));
-        let tried = Tried {
-            method: explicit,
-            dt: seen.substep.unwrap_or_default(),
-            triangles: count,
-            cpu: seen.cpu,
-            work: seen.work,
-            error: error.filter(|e| e.is_finite()),
-        };
-        levels.push(Level {
-            tried,
-            readings: seen.readings,
-        });
-        if let Some(error) = error.filter(|e| *e <= SPACE * tolerance.0) {
-            return Ok((levels, error));
-        }
-        // Half the error for twice the triangles: where that leads far beyond the budget, more runs tell nothing.
-        let known = error.filter(|e| e.is_finite());
-        let times = known.map_or(1.0, |e| e / (SPACE * tolerance.0));
-        let hopeless = 4 * count >= asked && seen.cpu * times.powf(DEARER) > HOPELESS * budget;
-        if seen.cpu * 2f64.powf(DEARER) > budget || hopeless {
-            return Err(too_fine(&levels));
-        }
-        change = changed.unwrap_or(f64::INFINITY);
-        count *= 2;
-    }
-}
-
-/// Triangles that a scene asks for.
-pub(super) fn triangles(scene: &Scene) -> usize {
-    let equilateral = 3f64.sqrt() / 4.0 * scene.sheet.edge_length().powi(2);
-    let by_edge = (scene.sheet.outline.area() / equilateral).round() as usize;
-    scene.sheet.triangles.unwrap_or(by_edge)
-}
-
 /// From one moment of comparison to the next \[s\].
 pub(super) fn moment(scene: &Scene) -> f64 {
     scene.duration / f64::from(MOMENTS)
@@ -338,6 +313,7 @@ pub(super) fn run(scene: &Scene, most: f64, cpu: &mut CpuClock) -> Result<Seen, 
         cpu: 0.0,
         work: Work::default(),
         substep: simulation.substep(),
+        faces: simulation.model().mesh.faces.len(),
     };
     for step in 1..=u64::from(MOMENTS) * between {
         let report = simulation
@@ -363,17 +339,21 @@ pub(super) fn run_to_end(scene: &Scene, cpu: &mut CpuClock) -> Result<Seen, Plan
     })
 }
 
-/// Largest difference at any moment over the largest reading.
-pub(super) fn apart(ours: &[Vec<f64>], truth: &[Vec<f64>]) -> f64 {
-    let largest = truth.iter().flatten().map(|v| v.abs()).fold(0.0, f64::max);
-    let pairs = ours.iter().flatten().zip(truth.iter().flatten());
-    let worst = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    worst / largest.max(f64::MIN_POSITIVE)
+/// A second look at a planned scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SecondLook {
+    /// What half the step on twice the triangles changes, over the largest reading \[-\].
+    pub change: f64,
+    /// Error of the planned run that this tells of \[-\]: twice the change at first order in time or second in the element
+    /// size, more where the mesh's error was seen to fall more slowly.
+    pub error: f64,
 }
 
-/// Error of a planned scene by a second look: half the step on twice the triangles. What that changes is at least half
-/// of the error at first order in time, all of it at second order in space.
-pub fn check(plan: &Plan, cpu: &mut CpuClock) -> Result<f64, PlanError> {
+/// Looks at a planned scene again, with half the step on twice the triangles.
+///
+/// # Errors
+/// A run died.
+pub fn check(plan: &Plan, cpu: &mut CpuClock) -> Result<SecondLook, PlanError> {
     let (chosen, scene) = (&plan.chosen, &plan.scene);
     let finer = at(
         scene,
@@ -382,5 +362,10 @@ pub fn check(plan: &Plan, cpu: &mut CpuClock) -> Result<f64, PlanError> {
         2 * chosen.triangles,
     );
     let (ours, theirs) = (run_to_end(scene, cpu)?, run_to_end(&finer, cpu)?);
-    Ok(apart(&ours.readings, &theirs.readings))
+    let change = apart(&ours.readings, &theirs.readings);
+    let times = theirs.faces as f64 / ours.faces as f64;
+    Ok(SecondLook {
+        change,
+        error: change * error_of_change(times, plan.order),
+    })
 }

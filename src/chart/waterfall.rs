@@ -1,9 +1,9 @@
 //! What each economy saves on a scene: the dearest way first, then one economy more at a time.
 
 use super::course::CpuClock;
-use super::plan::{
-    Ended, PlanError, Tolerance, apart, at, meshes, moment, run, run_to_end, triangles,
-};
+use super::mesh_error::apart;
+use super::plan::{Ended, PlanError, Tolerance, at, moment, run, run_to_end};
+use super::plan_meshes::{meshes, triangles};
 use crate::scene::{Method, Scene, Scheme, SleepSpec, Solver};
 
 /// Longest implicit step \[s\].

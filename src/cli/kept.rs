@@ -6,23 +6,23 @@ use super::CliError;
 use super::explain::cpu;
 use super::output::significant;
 use super::plan::failed;
-use crate::chart::plan::{Plan, Tolerance, check};
+use crate::chart::plan::{Plan, SecondLook, Tolerance, check};
 
 /// The answer, by a second look with half the step on twice the triangles.
 pub(super) struct Kept {
     tolerance: Tolerance,
-    error: f64,
+    look: SecondLook,
 }
 
 impl Kept {
     /// Runs the second look.
     pub(super) fn check(plan: &Plan, tolerance: Tolerance) -> Result<Self, CliError> {
-        let error = check(plan, &mut cpu).map_err(failed)?;
-        Ok(Self { tolerance, error })
+        let look = check(plan, &mut cpu).map_err(failed)?;
+        Ok(Self { tolerance, look })
     }
 
     fn holds(&self) -> bool {
-        self.error <= self.tolerance.0
+        self.look.error <= self.tolerance.0
     }
 }
 
@@ -36,9 +36,11 @@ pub(super) fn text(kept: Option<&Kept>) -> String {
         false => "MISSED",
     };
     format!(
-        "tolerance of {} {verdict}: half the step on twice the triangles changes what is observed by {} %\n",
+        "tolerance of {} {verdict}: half the step on twice the triangles changes what is observed by {} %, which tells of \
+         an error of {} %\n",
         kept.tolerance,
-        significant(1e2 * kept.error, 2)
+        significant(1e2 * kept.look.change, 2),
+        significant(1e2 * kept.look.error, 2)
     )
 }
 
@@ -46,7 +48,10 @@ pub(super) fn text(kept: Option<&Kept>) -> String {
 pub(super) fn with_check(mut summary: Value, kept: Option<&Kept>) -> Value {
     if let Some(kept) = kept {
         summary["tolerance"] = json!({
-            "asked": kept.tolerance.0, "error": kept.error, "kept": kept.holds(),
+            "asked": kept.tolerance.0,
+            "change": kept.look.change,
+            "error": kept.look.error,
+            "kept": kept.holds(),
         });
     }
     summary

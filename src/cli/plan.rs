@@ -66,7 +66,9 @@ pub(super) fn find(scene: &Scene, within: (Tolerance, f64)) -> Result<Plan, CliE
 pub(super) fn failed(error: PlanError) -> CliError {
     match error {
         PlanError::NothingObserved(_) | PlanError::NoTime(_) => CliError::Input(error.to_string()),
-        PlanError::TooFine { .. } | PlanError::Died(_) => CliError::Measure(error.to_string()),
+        PlanError::TooFine { .. } | PlanError::TooSensitive { .. } | PlanError::Died(_) => {
+            CliError::Measure(error.to_string())
+        }
     }
 }
 
@@ -82,8 +84,11 @@ fn step(tried: &Tried) -> String {
 pub(super) fn text(plan: &Plan, tolerance: Tolerance) -> String {
     let chosen = &plan.chosen;
     let [space, time] = plan.errors;
+    let falls = plan.order.map_or(String::new(), |order| {
+        format!(" (order {} in the edge length)", significant(order, 2))
+    });
     let mut text = format!(
-        "{} within {tolerance}: {} triangles, {} at {}, {} of CPU time\n  estimated error {} by the mesh, {} by the \
+        "{} within {tolerance}: {} triangles, {} at {}, {} of CPU time\n  estimated error {} by the mesh{falls}, {} by the \
          step\n\nmeshes, each with central-difference at its limit\n",
         plan.scene.name,
         chosen.triangles,
@@ -142,6 +147,7 @@ fn value(plan: &Plan, tolerance: Tolerance) -> Value {
         "chosen": tried(&plan.chosen),
         "error_space": plan.errors[0],
         "error_time": plan.errors[1],
+        "order_space": plan.order,
         "meshes": plan.meshes.iter().map(tried).collect::<Vec<_>>(),
         "methods": plan.methods.iter().map(tried).collect::<Vec<_>>(),
     })

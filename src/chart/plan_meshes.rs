@@ -1,0 +1,130 @@
+//! The mesh of a plan: refined with the explicit scheme at its limit until its error is small enough.
+
+use super::course::CpuClock;
+use super::mesh_error::{MeshError, OnMesh};
+use super::plan::{Ended, PlanError, Tolerance, Tried, at, moment, run};
+use crate::scene::{Method, Scene, Scheme};
+
+/// Fewest triangles.
+const FEWEST: usize = 50;
+/// Triangles that the scene asks for, over those that are tried first.
+const FIRST: usize = 32;
+/// Exponent of the cost of the explicit scheme by the number of triangles, at least.
+const DEARER: f64 = 1.5;
+/// What a mesh may be expected to cost, over the budget, before a scene is given up without trying what is between.
+const HOPELESS: f64 = 8.0;
+/// Share of the tolerance that the mesh may take; and where the next mesh would cost more than the budget, so that the
+/// explicit scheme has to be good enough, whose error in time is far below any tolerance.
+const SPACE: f64 = 0.75;
+const ALONE: f64 = 0.95;
+/// Times the triangles from one mesh to the next: below the least, what is left of the error is lost in the noise of
+/// random meshes.
+const LEAST_TIMES: f64 = 1.5;
+const MOST_TIMES: f64 = 2.0;
+/// How much finer a mesh is than what should do.
+const AMPLE: f64 = 1.1;
+
+/// A mesh that was tried, with the readings on it.
+pub(super) struct Level {
+    pub tried: Tried,
+    /// Triangles that it has.
+    pub faces: usize,
+    pub readings: Vec<Vec<f64>>,
+}
+
+/// Refines the mesh until its error is small enough; what was tried, and the error of the last.
+pub(super) fn meshes(
+    scene: &Scene,
+    (tolerance, budget): (Tolerance, f64),
+    cpu: &mut CpuClock,
+    tell: &mut dyn FnMut(&str),
+) -> Result<(Vec<Level>, MeshError), PlanError> {
+    if scene.observe.is_empty() {
+        return Err(PlanError::NothingObserved(scene.name.clone()));
+    }
+    if scene.method.scheme == Scheme::Equilibrium {
+        return Err(PlanError::NoTime(scene.name.clone()));
+    }
+    let asked = triangles(scene).max(4 * FEWEST);
+    let mut levels: Vec<Level> = vec![];
+    let mut count = (asked / FIRST).max(FEWEST);
+    loop {
+        tell(&format!("mesh of {count} triangles"));
+        let level = match level(scene, count, budget, cpu) {
+            Ok(level) => level,
+            Err(Ended::Died(message)) => return Err(PlanError::Died(message)),
+            Err(Ended::TooDear(..)) => return last_resort(levels, tolerance, budget),
+        };
+        let cost = level.tried.cpu;
+        levels.push(level);
+        let error = error_of(&levels);
+        if let (Some(error), Some(level)) = (error, levels.last_mut()) {
+            level.tried.error = Some(error.error);
+            if error.error <= SPACE * tolerance.0 {
+                return Ok((levels, error));
+            }
+        }
+        let measured = error.filter(|e| e.order.is_some());
+        let times = measured.map_or(MOST_TIMES, |e| AMPLE * e.times_for(SPACE * tolerance.0));
+        let times = times.clamp(LEAST_TIMES, MOST_TIMES);
+        let dearer = |times: f64, budgets: f64| cost * times.powf(DEARER) > budgets * budget;
+        // Where even the elements' own order leads far beyond the budget, more runs tell nothing.
+        let at_best = measured.map_or(1.0, |e| e.error / (SPACE * tolerance.0));
+        let hopeless = 4 * count >= asked && dearer(at_best, HOPELESS);
+        if dearer(times, 1.0) || hopeless {
+            return last_resort(levels, tolerance, budget);
+        }
+        count = (times * count as f64).round() as usize;
+    }
+}
+
+/// Runs the explicit scheme on a mesh.
+fn level(scene: &Scene, count: usize, budget: f64, cpu: &mut CpuClock) -> Result<Level, Ended> {
+    let method = Method::from(Scheme::CentralDifference);
+    let seen = run(&at(scene, method, moment(scene), count), budget, cpu)?;
+    Ok(Level {
+        tried: Tried {
+            method,
+            dt: seen.substep.unwrap_or_default(),
+            triangles: count,
+            cpu: seen.cpu,
+            work: seen.work,
+            error: None,
+        },
+        faces: seen.faces,
+        readings: seen.readings,
+    })
+}
+
+fn error_of(levels: &[Level]) -> Option<MeshError> {
+    let meshes = levels.iter().map(|level| OnMesh {
+        triangles: level.faces,
+        readings: &level.readings,
+    });
+    MeshError::of(&meshes.collect::<Vec<_>>())
+}
+
+/// The finest mesh that the budget allows, if it is good enough for the explicit scheme alone.
+fn last_resort(
+    levels: Vec<Level>,
+    tolerance: Tolerance,
+    budget: f64,
+) -> Result<(Vec<Level>, MeshError), PlanError> {
+    match error_of(&levels) {
+        Some(error) if error.error <= ALONE * tolerance.0 => Ok((levels, error)),
+        error => Err(PlanError::TooFine {
+            budget,
+            triangles: levels.last().map_or(0, |level| level.tried.triangles),
+            cpu: levels.last().map_or(0.0, |level| level.tried.cpu),
+            tolerance,
+            estimate: error.map_or(f64::INFINITY, |e| e.error),
+        }),
+    }
+}
+
+/// Triangles that a scene asks for.
+pub(super) fn triangles(scene: &Scene) -> usize {
+    let equilateral = 3f64.sqrt() / 4.0 * scene.sheet.edge_length().powi(2);
+    let by_edge = (scene.sheet.outline.area() / equilateral).round() as usize;
+    scene.sheet.triangles.unwrap_or(by_edge)
+}
