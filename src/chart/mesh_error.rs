@@ -62,11 +62,6 @@ impl MeshError {
             order,
         })
     }
-
-    /// Times the triangles with which the error would be `wanted` \[-\].
-    pub fn times_for(&self, wanted: f64) -> f64 {
-        (self.error / wanted).powf(2.0 / self.order.unwrap_or(FORMAL_ORDER))
-    }
 }
 
 /// Error of a mesh of which another, of so many times the triangles, is this far apart at an order, over that

@@ -17,12 +17,8 @@ const HOPELESS: f64 = 8.0;
 /// explicit scheme has to be good enough, whose error in time is far below any tolerance.
 const SPACE: f64 = 0.75;
 const ALONE: f64 = 0.95;
-/// Times the triangles from one mesh to the next: below the least, what is left of the error is lost in the noise of
-/// random meshes.
-const LEAST_TIMES: f64 = 1.5;
-const MOST_TIMES: f64 = 2.0;
-/// How much finer a mesh is than what should do.
-const AMPLE: f64 = 1.1;
+/// Times the triangles from one mesh to the next: with fewer, what is left of the error is lost in the noise of random meshes.
+const TIMES: usize = 2;
 
 /// A mesh that was tried, with the readings on it.
 pub(super) struct Level {
@@ -65,16 +61,14 @@ pub(super) fn meshes(
             }
         }
         let measured = error.filter(|e| e.order.is_some());
-        let times = measured.map_or(MOST_TIMES, |e| AMPLE * e.times_for(SPACE * tolerance.0));
-        let times = times.clamp(LEAST_TIMES, MOST_TIMES);
         let dearer = |times: f64, budgets: f64| cost * times.powf(DEARER) > budgets * budget;
         // Where even the elements' own order leads far beyond the budget, more runs tell nothing.
         let at_best = measured.map_or(1.0, |e| e.error / (SPACE * tolerance.0));
         let hopeless = 4 * count >= asked && dearer(at_best, HOPELESS);
-        if dearer(times, 1.0) || hopeless {
+        if dearer(TIMES as f64, 1.0) || hopeless {
             return last_resort(levels, tolerance, budget);
         }
-        count = (times * count as f64).round() as usize;
+        count *= TIMES;
     }
 }
 
