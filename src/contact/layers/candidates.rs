@@ -3,7 +3,8 @@
 use nalgebra::Vector3;
 
 use super::detect::{Scratch, edge_pair, vertex_pairs};
-use super::fit::{Fit, closer, features, nodes, separated};
+use super::fit::{Fit, closer, features, nodes};
+use super::plane::separated;
 use super::rooms::Rooms;
 use super::{Pair, Tiles};
 use crate::sheet::Mesh;

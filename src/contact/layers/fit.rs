@@ -327,21 +327,6 @@ pub(super) fn features(
     }
 }
 
-/// Whether a plane across the line between their centres keeps two faces `reach` apart: most have long not touched, and
-/// their features need no look.
-#[inline]
-pub(super) fn separated(mesh: &Mesh, positions: &[Point], faces: [u32; 2], reach: f64) -> bool {
-    let corner = |f: u32, k: usize| positions[mesh.faces[f as usize][k] as usize];
-    let [f, g] = faces;
-    let (a, b, c) = (corner(f, 0), corner(f, 1), corner(f, 2));
-    let (d, e, h) = (corner(g, 0), corner(g, 1), corner(g, 2));
-    let line = (d + e + h) - (a + b + c);
-    let first = max(line.dot(&a), max(line.dot(&b), line.dot(&c)));
-    let second = min(line.dot(&d), min(line.dot(&e), line.dot(&h)));
-    let gap = second - first;
-    gap >= 0.0 && gap * gap >= reach * reach * line.norm_squared()
-}
-
 /// The four nodes of a pair of features.
 #[inline]
 pub(super) fn nodes(mesh: &Mesh, edges: bool, [first, second]: [u32; 2]) -> [u32; 4] {

@@ -13,6 +13,7 @@ mod fit;
 #[cfg(test)]
 mod motion_test;
 mod patches;
+mod plane;
 mod rooms;
 mod sweep;
 #[cfg(test)]

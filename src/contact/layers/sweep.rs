@@ -7,6 +7,7 @@ use super::Tiles;
 use super::bounds::max;
 use super::closest::between;
 use super::fit::{Fit, features, nodes};
+use super::plane::separated_throughout;
 use crate::sheet::Mesh;
 
 type Point = Vector3<f64>;
@@ -77,7 +78,9 @@ pub fn may_meet(
         list.iter().for_each(|&pair| look(kind == 1, pair));
     }
     sweep.fit.near_faces(tiles, reach, |f, g| {
-        features(tiles, mesh, [f, g], &mut look)
+        if !separated_throughout(mesh, [from, to], [f, g], reach) {
+            features(tiles, mesh, [f, g], &mut look);
+        }
     });
     met
 }
