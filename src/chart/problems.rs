@@ -37,8 +37,10 @@ impl Problem {
         Ok(all)
     }
 
-    /// The chart that belongs to a scene, by its name; of any other scene what it observes.
+    /// The chart that belongs to a scene, by its name; of any other scene what it observes. All methods solve the same
+    /// equations: layers are among them only where the scene says so.
     pub fn of(scene: Scene) -> Result<Self, ChartError> {
+        let scene = scene.without_unsaid_layers();
         match scene.name.as_str() {
             "strip-release" => Self::strip_release(scene),
             "four-edges" => Ok(Self::four_edges(scene)),

@@ -37,6 +37,8 @@ pub fn waterfall(
     cpu: &mut CpuClock,
     tell: &mut dyn FnMut(&str),
 ) -> Result<Vec<Bar>, PlanError> {
+    // All ways solve the same equations.
+    let scene = &scene.clone().without_unsaid_layers();
     let asked = triangles(scene);
     let (levels, _) = meshes(scene, (tolerance, budget), cpu, tell)?;
     let enough = levels.last().map_or(asked, |level| level.tried.triangles);

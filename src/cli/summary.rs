@@ -33,7 +33,7 @@ pub(super) fn text(scene: &Scene, run: &Summary) -> String {
     if run.slept > 0 {
         rows.push(("asleep", format!("{} of {} steps", run.slept, run.steps)));
     }
-    if let (Some(_), Some(from)) = (scene.layers, run.layers.from) {
+    if let (Some(_), Some(from)) = (scene.touches_itself(), run.layers.from) {
         let (from, touched) = (output::significant(from, 3), run.layers.steps);
         let said = format!("from {from} s on, after {touched} of {} steps", run.steps);
         rows.push(("layers touch", said));

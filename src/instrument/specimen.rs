@@ -25,7 +25,8 @@ pub struct Cut {
 }
 
 impl Cut {
-    /// A scene of the cut: `held` are its tables of supports and what else differs between instruments.
+    /// A scene of the cut: `held` are its tables of supports and what else differs between instruments. No specimen is
+    /// held so that it meets itself, so none looks for layers.
     pub fn scene(&self, name: &str, fabric: &FabricSpec, gravity: f64, held: &str) -> String {
         let Cut {
             length,
@@ -41,6 +42,7 @@ impl Cut {
              gravity = [0.0, 0.0, {:?}]\n\
              [sheet]\noutline = {{ kind = \"rectangle\", length = {length:?}, width = {width:?} }}\n\
              edge = {edge:?}\nmesh_seed = {seed}\nwarp_angle = {angle:?}\n\
+             [layers]\ncontact = \"off\"\n\
              [fabric]\n{fabric}\n{held}",
             -gravity
         )

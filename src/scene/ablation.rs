@@ -1,8 +1,8 @@
 //! A scene with one piece of its physics toggled, to see what that piece is worth.
 
-use super::method::Solver;
+use super::layers::{LayerContact, LayersSpec};
 use super::needs::{Term, needs};
-use super::spec::{AirSpec, LayersSpec, Scene};
+use super::spec::{AirSpec, Scene};
 use crate::fabric::{PoissonCoupling, TwistRigidity};
 
 /// What is switched on where a scene has none: the paper's damping, and air at rest on a plate moving at about 1 m/s.
@@ -50,9 +50,9 @@ pub fn ablations(scene: &Scene) -> Vec<Ablation> {
                     (o.friction, o.friction_static) = (0.0, None);
                 });
             }),
-            Term::Layers if on => toggle(name, &|scene| scene.layers = None),
-            Term::Layers if scene.method.solver == Solver::Newton => {
-                toggle(name, &|scene| scene.layers = Some(LayersSpec::default()));
+            Term::Layers if on => toggle(name, &|scene| touch(scene, LayerContact::Off)),
+            Term::Layers if scene.method.method().knows_layers() => {
+                toggle(name, &|scene| touch(scene, LayerContact::On));
             }
             Term::Gravity | Term::Contact | Term::Friction | Term::Layers => {}
         }
@@ -114,6 +114,11 @@ fn in_still_air(scene: &mut Scene) {
         start: 0.0,
         hold: None,
     });
+}
+
+fn touch(scene: &mut Scene, contact: LayerContact) {
+    let spec = scene.layers.unwrap_or_default();
+    scene.layers = Some(LayersSpec { contact, ..spec });
 }
 
 fn without_obstacles(scene: &mut Scene) {

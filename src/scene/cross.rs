@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::FabricError;
 use super::check::refuse_key;
 use super::error::{Problem, SceneError};
+use super::layers::LayerContact;
 use super::method::{Method, Scheme, Solver};
 use super::quantity::short;
 use super::ranges::{SPEED, TURN_RATE};
@@ -284,13 +285,14 @@ fn observations(scene: &Scene) -> Result<(), Conflict> {
 }
 
 fn method(scene: &Scene) -> Result<(), Conflict> {
+    let layers = scene.layers.is_some_and(|l| l.contact == LayerContact::On);
     match scene.method.method() {
         Method {
             solver: Solver::QuasiNewton | Solver::Xpbd,
             ..
-        } if scene.layers.is_some() => conflict(
+        } if layers => conflict(
             "method.solver",
-            "layers need newton, or method.scheme = central-difference",
+            "layers need newton, or method.scheme = central-difference; or set layers.contact = off",
         ),
         Method { scheme, solver }
             if scene.sleep.is_some()

@@ -250,6 +250,7 @@ const AIR: &[Key] = &[
 const AIR_REGION: &[Key] = &[need("min", Vector(3, PLACE)), need("max", Vector(3, PLACE))];
 
 const LAYERS: &[Key] = &[
+    may("contact", Choice(&["on", "off"])),
     may("friction", Number(FRICTION)),
     may("thickness", Number(range(1e-6, 0.1, "m"))),
 ];

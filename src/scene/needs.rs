@@ -91,11 +91,14 @@ impl Term {
             Term::Contact => list(scene.obstacle.keys().map(|name| format!("obstacle.{name}")))
                 .or_else(|| commanded(scene, Accept::Obstacles, "commands may add obstacles")),
             Term::Layers => {
-                let layers = scene.layers?;
-                let friction = short(layers.friction);
-                Some(format!(
-                    "the scene has layers: it may touch itself, layers.friction = {friction}"
-                ))
+                let friction = short(scene.touches_itself()?.friction);
+                Some(match scene.layers {
+                    Some(_) => format!(
+                        "the scene has layers: it may touch itself, layers.friction = {friction}"
+                    ),
+                    None => "it may fold onto itself, which layers.contact = \"off\" would ignore"
+                        .to_string(),
+                })
             }
             Term::Friction => {
                 let rough = scene.obstacle.iter().filter(|(_, o)| o.friction > 0.0);

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::layers::LayersSpec;
 use super::load::LoadSpec;
 use super::method::{MethodSpec, OutputSpec};
 use super::motion::{ObstacleMotion, OverlapSpec, SupportMotion, placed};
@@ -51,7 +52,7 @@ pub struct Scene {
     /// The air that acts on it; none if left out.
     #[serde(default)]
     pub air: Option<AirSpec>,
-    /// Contact of the sheet with itself; it passes through itself if left out.
+    /// Contact of the sheet with itself; left out, it has it where the method can ([`Scene::touches_itself`]).
     #[serde(default)]
     pub layers: Option<LayersSpec>,
     /// When a sheet at rest sleeps until something moves; never if left out.
@@ -339,18 +340,6 @@ pub struct AirSpec {
     /// Time from there to the end of the flow, which then fades in `rise` \[s\]; endless if left out.
     #[serde(default)]
     pub hold: Option<f64>,
-}
-
-/// How the sheet touches itself.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LayersSpec {
-    /// Coulomb friction coefficient of cloth on cloth \[-\].
-    #[serde(default)]
-    pub friction: f64,
-    /// Distance of the middle surfaces at which layers touch \[m\]; the fabric's thickness if left out.
-    #[serde(default)]
-    pub thickness: Option<f64>,
 }
 
 /// An axis-aligned box of the world.

@@ -28,6 +28,8 @@ pub struct Implicit {
     forces: Vec<Vector3<f64>>,
     stresses: Vec<Vector3<f64>>,
     near: Near,
+    /// Whether layers are watched while a step is solved, or looked at when it is.
+    watching: bool,
     /// Whether the tangent has to make room for the layers of the present step.
     fresh: bool,
 }
@@ -75,6 +77,7 @@ impl Implicit {
             forces: vec![],
             stresses: vec![],
             near: Near::default(),
+            watching: false,
             fresh: true,
         }
     }
@@ -90,12 +93,45 @@ impl Implicit {
         }
     }
 
-    /// Makes room in the tangent for layers near each other in a state, which begins a step.
+    /// Says whether layers are near where a step starts. If not, they are looked at when it is solved.
+    pub fn expect_layers(&mut self, near: bool) {
+        self.watching = near;
+        self.fresh = true;
+        self.near.looks = 0;
+    }
+
+    /// Whether layers met on the way to a solved part of a step while nothing watched them. That part is void then, and they
+    /// are watched in the rest of the step.
+    pub fn missed_layers(&mut self, model: &Model, start: &State, solved: &Solved) -> bool {
+        if model.layers.is_none() || self.watching {
+            return false;
+        }
+        let inside = &solved.nodes[..start.positions.len()];
+        let end = extrapolate(&start.positions, inside, solved.map.fraction);
+        let missed = self.near.meet(model, &start.positions, &end);
+        if missed {
+            (self.watching, self.fresh) = (true, true);
+            self.scratch.forget();
+        }
+        missed
+    }
+
+    /// Searches for layers in the step so far.
+    pub fn layer_searches(&self) -> u64 {
+        self.near.looks
+    }
+
+    /// Makes room in the tangent for layers near each other in a state, which begins a step, and takes back what the steps
+    /// before needed.
     fn make_room(&mut self, model: &Model, positions: &[Vector3<f64>]) {
         if model.layers.is_none() || !std::mem::take(&mut self.fresh) {
             return;
         }
-        if self.near.fit(model, positions, &mut self.assembly) {
+        let changed = match self.watching {
+            true => self.near.fit(model, positions, &mut self.assembly),
+            false => self.assembly.couple(model, &[]),
+        };
+        if changed {
             self.analyse();
         }
     }
@@ -134,8 +170,9 @@ impl Implicit {
             model.stretch.linearised_stress(f, &x, &x)
         };
         let stresses: Vec<_> = (0..model.stretch.count()).map(stress).collect();
-        let layers = LayerTouch::of(model, state);
-        if let Some(law) = &model.layers {
+        let law = model.layers.filter(|_| self.watching);
+        let layers = law.map(|_| LayerTouch::of(model, state));
+        if let Some(law) = &law {
             let start = (&state.positions[..], &state.layer_bonds[..]);
             let mut touch = LayerTouch::default();
             self.near
@@ -150,7 +187,7 @@ impl Implicit {
         if let Some(law) = &model.contact {
             touch.tangent(model, law, &nodes, 0.0, &self.assembly, &mut values);
         }
-        if let Some(law) = &model.layers {
+        if let (Some(law), Some(layers)) = (&law, &layers) {
             let assembly = &self.assembly;
             layers.tangent(law, &nodes, 0.0, |stencil, hessian| {
                 assembly.add_pair(&model.dofs, stencil, hessian, &mut values);
@@ -167,9 +204,6 @@ impl Implicit {
     /// Draws the guess back towards where the step starts until no layers meet on the way; what is held keeps its place.
     /// False if that alone makes them meet.
     fn hold_back(&mut self, model: &Model, start: &[Vector3<f64>]) -> bool {
-        if model.layers.is_none() {
-            return true;
-        }
         let guess = self.nodes[..start.len()].to_vec();
         let mut share = self.near.safe(model, start, &guess);
         if share == 1.0 {
@@ -217,7 +251,8 @@ impl Implicit {
         if rule != Rule::GradientFlow {
             model.place_supports(&mut self.nodes, time);
         }
-        let clear = self.hold_back(model, &state.positions);
+        let law = model.layers.filter(|_| self.watching);
+        let clear = law.is_none() || self.hold_back(model, &state.positions);
         self.forces.resize(self.nodes.len(), Vector3::zeros());
         model.dofs.gather(&self.nodes, &mut self.z);
         let start = state.nodes();
@@ -240,6 +275,7 @@ impl Implicit {
                 obstacles: &state.obstacles,
                 bonds: &state.bonds,
             },
+            law,
             layer_bonds: &state.layer_bonds,
             layers: LayerTouch::default(),
             near: &mut self.near,
@@ -276,7 +312,7 @@ impl Implicit {
         let support_work = problem.work_of_supports(&start, end);
         let (touch, layers) = (problem.touch, problem.layers);
         outcome.converged &= clear;
-        if model.layers.is_some() && map.fraction < 1.0 {
+        if law.is_some() && map.fraction < 1.0 {
             // The way from where the forces are taken to the end of the step.
             let end = extrapolate(&start, &self.nodes, map.fraction);
             let vertices = model.masses.len();

@@ -27,6 +27,9 @@ impl Simulation {
             return vec![];
         };
         let touch = self.layer_touch();
+        if touch.pairs.is_empty() {
+            return vec![];
+        }
         let normals = self.vertex_normals();
         let loads = self.layer_loads(law, &touch);
         let mut contacts: BTreeMap<u64, (ContactPoint, f64)> = BTreeMap::new();

@@ -7,7 +7,7 @@ use super::assembly::Assembly;
 use super::layers::LayerTouch;
 use super::model::Model;
 use super::state::Memory;
-use crate::contact::layers::{Candidates, Sweep, safe_share};
+use crate::contact::layers::{Candidates, Sweep, may_meet, safe_share};
 use crate::physics::layers::LayerLaw;
 
 /// Margin of a collection: what the tiles tell apart well, over their span, less the thickness.
@@ -25,6 +25,8 @@ pub struct Near {
     margin: f64,
     /// Vertices of the candidates, sorted.
     couples: Vec<[u32; 4]>,
+    /// Searches of the sheet: collections, and looks at a way.
+    pub looks: u64,
 }
 
 impl Near {
@@ -67,6 +69,7 @@ impl Near {
     fn collect(&mut self, model: &Model, positions: &[Vector3<f64>]) {
         let (tiles, mesh) = (&model.tiles, &model.mesh);
         let thickness = tiles.thickness();
+        self.looks += 1;
         self.margin = (REACH * tiles.span() - thickness).max(LEAST_MARGIN * thickness);
         self.candidates.collect(tiles, mesh, positions, self.margin);
         self.base.clear();
@@ -108,8 +111,16 @@ impl Near {
         assembly.couple(model, &all)
     }
 
+    /// Whether layers may touch on the straight way between two configurations; never no where they do.
+    pub fn meet(&mut self, model: &Model, from: &[Vector3<f64>], to: &[Vector3<f64>]) -> bool {
+        self.looks += 1;
+        let (sheet, reach) = ((&model.tiles, &model.mesh), model.tiles.thickness());
+        may_meet(&mut self.sweep, sheet, [from, to], reach)
+    }
+
     /// How much of the way between two configurations may be gone, 0 to 1, before layers meet.
     pub fn safe(&mut self, model: &Model, from: &[Vector3<f64>], to: &[Vector3<f64>]) -> f64 {
+        self.looks += 1;
         safe_share(&mut self.sweep, (&model.tiles, &model.mesh), from, to)
     }
 }

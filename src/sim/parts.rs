@@ -12,8 +12,9 @@ use super::assembly::{Assembly, pick};
 use super::constant::Constant;
 use super::kernel::Kernel;
 use super::lanes::lanes;
+use super::layers::inspect;
 use super::model::Model;
-use super::report::Work;
+use super::report::{StepReport, Work};
 use super::simulation::{Engine, Simulation};
 use super::touch::{Before, Touch};
 use crate::math::cholesky::Cholesky;
@@ -66,6 +67,7 @@ impl Simulation {
             parts.extend(self.drag_part(work));
             parts.extend(self.contact_part(work));
         }
+        parts.push(self.search_part(work));
         parts.retain(|part| part.count > 0);
         parts
     }
@@ -154,6 +156,15 @@ impl Simulation {
                 solver.solve(&mut rhs, 1)
             }),
         ]
+    }
+
+    /// A look at the whole sheet, as each report takes one, whether the scene has layers or not.
+    fn search_part(&self, work: &Work) -> Part<'_> {
+        let once = move || {
+            let mut report = StepReport::default();
+            black_box(inspect(&self.model, &self.state, &mut report));
+        };
+        part(Term::Layers, "searches", work.layer_searches, once)
     }
 
     fn drag_part(&self, work: &Work) -> Option<Part<'_>> {

@@ -13,12 +13,15 @@ use super::touch::{Before, Touch};
 use crate::math::newton::Problem;
 use crate::math::sparse::Pattern;
 use crate::physics::drag::Drag;
+use crate::physics::layers::LayerLaw;
 use crate::physics::{Load, Potential};
 
 /// The equations of a step, with what their evaluation needs and leaves.
 pub struct StepProblem<'a> {
     pub model: &'a Model,
     pub before: Before<'a>,
+    /// How layers touch, if they are watched.
+    pub law: Option<LayerLaw>,
     pub layer_bonds: &'a [Memory],
     pub layers: LayerTouch,
     pub near: &'a mut Near,
@@ -66,7 +69,7 @@ impl StepProblem<'_> {
                 self.forces[v as usize] -= push;
             }
         }
-        if let Some(law) = &model.layers {
+        if let Some(law) = &self.law {
             let positions = &self.nodes[..model.masses.len()];
             let start = (self.before.positions, self.layer_bonds);
             self.near
@@ -139,13 +142,13 @@ impl Problem for StepProblem<'_> {
     }
 
     fn grown(&mut self) -> Option<Pattern> {
-        self.model.layers?;
+        self.law?;
         let grown = self.near.widen(self.model, &self.layers, self.assembly);
         grown.then(|| self.assembly.pattern().clone())
     }
 
     fn longest(&mut self, z: &[f64], step: &[f64]) -> f64 {
-        if self.model.layers.is_none() {
+        if self.law.is_none() {
             return 1.0;
         }
         let vertices = self.model.masses.len();
@@ -180,7 +183,7 @@ impl Problem for StepProblem<'_> {
                 self.assembly.add_face(s as u32, &scaled, values);
             }
         }
-        if let Some(law) = &self.model.layers {
+        if let Some(law) = &self.law {
             let (assembly, dofs) = (&*self.assembly, &self.model.dofs);
             self.layers
                 .tangent(law, self.nodes, projection, |stencil, hessian| {

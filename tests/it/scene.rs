@@ -212,6 +212,7 @@ rise = 0.1
 start = 0.2
 hold = 0.3
 [layers]
+contact = "off"
 friction = 0.25
 thickness = 2e-3
 [perturbation]

@@ -230,7 +230,9 @@ fn a_gust_does_not_overshoot() {
     }
 }
 
-const SWING: [&str; 6] = [
+/// In a minute the strip meets itself now and then: what the scheme does to a free swing is looked at alone.
+const SWING: [&str; 7] = [
+    "layers.contact=off",
     "sheet.triangles=12",
     "fabric.young_warp=6.33e5",
     "fabric.young_weft=2.55e5",
@@ -302,11 +304,11 @@ fn a_minute_of_swinging_is_too_long_for_some() {
         gain > 1.0,
         "the trapezoidal rule gains {gain} only: it may join the others"
     );
-    let stiff = ["sheet.triangles=60", "method.dt=5e-3"];
+    let stiff = [SWING[0], "sheet.triangles=60", "method.dt=5e-3"];
     let limit =
         stable_limit(simulation(&with("strip-release", "central-difference", &stiff)).model());
     let substep = format!("method.substep={}", 0.9 * limit);
-    let set = [stiff[0], stiff[1], &substep];
+    let set = [&stiff[..], &[&*substep]].concat();
     let scene = with("strip-release", "central-difference", &set);
     let mut simulation = simulation(&scene);
     let died = (0..12_000).find_map(|_| simulation.step().err());

@@ -53,6 +53,7 @@ impl Simulation {
             panic!("settle() needs an implicit scheme with newton");
         };
         let (mut state, mut report) = (self.state.clone(), self.report.clone());
+        solver.expect_layers(report.layers_near || self.model.scene.layers.is_some());
         let rest = rest(&self.model, solver, &mut state, tolerance, 0.0)?;
         measure::measure(&self.model, &state, &rest.touch, &mut report);
         self.state = state;
@@ -76,10 +77,12 @@ pub fn equilibrium_step(
 ) -> Result<(Touch, Equilibrium), Diverged> {
     let method = &model.scene.method;
     let time = model.script_time(state, method.dt);
+    solver.expect_layers(true);
     model.move_obstacles(&mut state.obstacles, time, method.dt);
     model.hold(state, time);
     let rest = rest(model, solver, state, method.tolerance, method.dt)?;
     report.work = rest.work;
+    report.work.layer_searches += solver.layer_searches();
     report.residual = rest.found.residual;
     Ok((rest.touch, rest.found))
 }

@@ -148,7 +148,8 @@ impl Explicit {
             dt,
             count,
             damped: model.scene.damping != 0.0,
-            asked: model.contact.is_some() || model.layers.is_some(),
+            contact: model.contact.is_some(),
+            moments: model.layers.is_some() && !self.watching,
         };
         let mut sheet = std::mem::take(&mut self.sheet);
         let mut crew = self.crew.take();
@@ -229,7 +230,7 @@ impl Explicit {
             let held = prescribed(model, time, &sheet.nodes, &mut sheet.rates, dt);
             let fastest = hands.drift(sheet, dt);
             place(&held, &mut sheet.nodes);
-            let kept = passed && self.apart.keeps(substep + 1, count);
+            let kept = passed && Apart::is_moment(substep + 1, count);
             let cloth = (&mut *sheet, &mut hands);
             self.meeting
                 .meet(model, state, cloth, (time, fastest, dt), kept);

@@ -50,8 +50,8 @@ impl Apart {
     }
 
     /// Whether `done` substeps of `count` lead to the next moment.
-    pub fn keeps(&self, done: u64, count: u64) -> bool {
-        done * PARTS / count > self.moments.len() as u64 - 1
+    pub fn is_moment(done: u64, count: u64) -> bool {
+        done * PARTS / count > (done - 1) * PARTS / count
     }
 
     /// Keeps a moment.

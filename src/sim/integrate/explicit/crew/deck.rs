@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError, RwLock};
 
+use super::super::apart::Apart;
 use super::super::portion::Portion;
 use super::barrier::Barrier;
 use crate::sim::lanes::Lanes;
@@ -14,8 +15,17 @@ pub struct Run {
     pub dt: f64,
     pub count: u64,
     pub damped: bool,
-    /// Whether anything asks for more of the sheet than that it moves.
-    pub asked: bool,
+    /// Whether the sheet may meet obstacles.
+    pub contact: bool,
+    /// Whether moments of it are kept.
+    pub moments: bool,
+}
+
+impl Run {
+    /// Whether more is asked of the sheet in a substep than that it moves.
+    pub fn asks(&self, substep: u64) -> bool {
+        self.contact || self.moments && Apart::is_moment(substep + 1, self.count)
+    }
 }
 
 /// What a portion shows to others.
@@ -62,14 +72,12 @@ impl Deck {
     /// What another thread than the first does.
     pub fn work(&self, p: usize, portion: &mut Portion) {
         let _guard = self.barrier.guard();
+        let run = self.run;
         let Run {
-            dt,
-            count,
-            damped,
-            asked,
-        } = self.run;
+            dt, count, damped, ..
+        } = run;
         for substep in 0..count {
-            let last = substep + 1 == count;
+            let (last, asked) = (substep + 1 == count, run.asks(substep));
             if substep == 0 {
                 portion.swing(dt);
             }

@@ -55,7 +55,7 @@ impl<'a> Helm<'a> {
         if self.substep + 1 == deck.run.count {
             self.mine.keep_rates();
         }
-        if !deck.run.asked {
+        if !deck.run.asks(self.substep) {
             return self.go_on();
         }
         deck.ask.store(all, Ordering::Relaxed);
@@ -128,10 +128,10 @@ impl<'a> Helm<'a> {
 
     /// Ends a substep: all get the rates that `whole` has near obstacles.
     pub fn end(&mut self, whole: &Portion) {
-        self.substep += 1;
-        if self.deck.run.asked {
+        if self.deck.run.asks(self.substep) {
             self.hand_out(whole);
         }
+        self.substep += 1;
         if self.deck.run.damped {
             self.mine.spend();
         }
