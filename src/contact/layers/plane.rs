@@ -29,6 +29,26 @@ pub(super) fn separated_throughout(
     moments.into_iter().all(parted)
 }
 
+/// The same for two features on a straight way: an edge and an edge, or a vertex and a face, each given by its vertices
+/// at both ends of it.
+#[inline]
+pub(super) fn features_separated(edges: bool, moments: [&[Point; 4]; 2], reach: f64) -> bool {
+    let split = if edges { 2 } else { 1 };
+    let centre = |part: &[Point]| part.iter().sum::<Point>() / part.len() as f64;
+    let way = |x: &[Point; 4]| centre(&x[split..]) - centre(&x[..split]);
+    let line = way(moments[0]) + way(moments[1]);
+    let gap = |x: &[Point; 4]| {
+        let along = x.map(|p| line.dot(&p));
+        let last = along[..split]
+            .iter()
+            .fold(f64::NEG_INFINITY, |m, a| max(m, *a));
+        let first = along[split..].iter().fold(f64::INFINITY, |m, a| min(m, *a));
+        first - last
+    };
+    let gap = min(gap(moments[0]), gap(moments[1]));
+    gap >= 0.0 && gap * gap >= reach * reach * line.norm_squared()
+}
+
 /// Three times the way from the centre of one face to that of another.
 #[inline]
 fn between_centres(mesh: &Mesh, positions: &[Point], faces: [u32; 2]) -> Point {

@@ -8,7 +8,7 @@ use super::bounds::max;
 use super::closest::between;
 use super::features::{features, nodes};
 use super::fit::Fit;
-use super::plane::separated_throughout;
+use super::plane::{features_separated, separated_throughout};
 use super::tiles::Near;
 use crate::sheet::Mesh;
 
@@ -72,8 +72,11 @@ pub fn may_meet(
             return;
         }
         let stencil = nodes(mesh, edges, pair);
-        let x = stencil.map(|v| from[v as usize]);
-        let motion = stencil.map(|v| to[v as usize] - from[v as usize]);
+        let [x, end] = [from, to].map(|places| stencil.map(|v| places[v as usize]));
+        if features_separated(edges, [&x, &end], reach) {
+            return;
+        }
+        let motion = std::array::from_fn(|n| end[n] - x[n]);
         met = comes_within(edges, x, motion, reach) && !tiles.excludes(edges, pair);
     };
     let told = |near: &&Near| sweep.fit.stretch(tiles, near) * near.least >= reach;
