@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::bounds::{Bounds, Spread, max};
 use super::features::{closer, features};
-use super::tiles::{Level, NEAR_LEVEL, Near, Tiles};
+use super::tiles::{Level, Near, Tiles};
 use crate::sheet::Mesh;
 
 type Point = Vector3<f64>;
@@ -220,7 +220,7 @@ impl Fit {
     /// Least stretch over the rectangle that holds the tiles of features that are near in the flat sheet; negative if
     /// nothing is known.
     pub(super) fn stretch(&self, tiles: &Tiles, near: &Near) -> f64 {
-        let level = NEAR_LEVEL.min(tiles.levels.len() - 1);
+        let level = tiles.near_level();
         let (grid, two) = (tiles.levels[level], near.tiles.map(|t| t as usize));
         match grid.beside(two) {
             true => self.least(

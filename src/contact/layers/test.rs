@@ -30,6 +30,21 @@ pub(super) fn square(edge: f64) -> Mesh {
     mesh(Outline::Rectangle { length, width }, edge)
 }
 
+/// A search takes or leaves a group whole, by its patches: on meshes of few tiles these are the finest tiles.
+#[test]
+fn near_features_of_a_group_are_of_its_patches() {
+    for edge in [1.3e-3, 6e-3] {
+        let tiles = Tiles::new(&square(edge), THICKNESS);
+        assert!(!tiles.near.is_empty());
+        for near in &tiles.near {
+            for &(edges, pair) in &near.pairs {
+                let [a, b] = tiles.patches_of(edges, pair);
+                assert!(near.patches == [a, b] || near.patches == [b, a], "{pair:?}");
+            }
+        }
+    }
+}
+
 /// A crumpled place: waves of random direction and phase, of an amplitude \[m\], along the normal and in the plane.
 pub(super) fn crumple(mesh: &Mesh, amplitude: f64, seed: u64) -> Vec<Point> {
     let mut random = Pcg64::seed_from_u64(seed);

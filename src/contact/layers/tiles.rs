@@ -19,8 +19,9 @@ const SIDE: f64 = 1.7;
 /// Least span over the thickness, and over the mean length of an edge.
 const LEAST_SPAN: f64 = 2.5;
 const SPAN: f64 = 0.8;
-/// Level of the tiles by which features that are near in the flat sheet are grouped: of two by two finest ones.
-pub(super) const NEAR_LEVEL: usize = 1;
+/// Level of the tiles by which features that are near in the flat sheet are grouped, unless patches are smaller: of two by
+/// two finest ones.
+const NEAR_LEVEL: usize = 1;
 /// Patches at most.
 const MOST_PATCHES: usize = 128;
 
@@ -57,7 +58,7 @@ impl Level {
     }
 }
 
-/// Features of two tiles of [`NEAR_LEVEL`] that are near in the flat sheet.
+/// Features of two tiles of [`Tiles::near_level`] that are near in the flat sheet.
 #[derive(Clone, Debug)]
 pub(super) struct Near {
     pub tiles: [u32; 2],
@@ -112,7 +113,7 @@ impl Tiles {
         let found = fit.flat_pairs(&tiles, mesh, &flat, span);
         let least = std::f64::consts::FRAC_PI_2 * thickness;
         let mut near: BTreeMap<[u32; 2], Near> = BTreeMap::new();
-        let tile_of_face = tiles.tile_of_face(NEAR_LEVEL);
+        let tile_of_face = tile_of_face(&tiles.levels, tiles.near_level(), &tiles.owned);
         for (kind, found) in found.into_iter().enumerate() {
             for (pair, distance) in found {
                 if distance < least {
@@ -247,18 +248,9 @@ impl Tiles {
         }
     }
 
-    /// The tile of a level, or of the coarsest below it, that each face is in.
-    fn tile_of_face(&self, level: usize) -> Vec<u32> {
-        let level = level.min(self.levels.len() - 1);
-        let (finest, grid) = (self.levels[0], self.levels[level]);
-        let mut tiles = vec![0; self.patch_of_face.len()];
-        for (t, faces) in self.owned.iter().enumerate() {
-            let (i, j) = (t % finest.columns, t / finest.columns);
-            for &f in faces {
-                tiles[f as usize] = grid.index([i >> level, j >> level]) as u32;
-            }
-        }
-        tiles
+    /// The level by whose tiles features that are near in the flat sheet are grouped: none of them is larger than a patch.
+    pub(super) fn near_level(&self) -> usize {
+        NEAR_LEVEL.min(self.patch_level)
     }
 
     /// The patch that a tile of a level not above that of the patches lies in.
@@ -287,19 +279,26 @@ fn patches(
     level: usize,
     owned: &[Vec<u32>],
 ) -> (Vec<Patch>, Vec<u32>) {
-    let (finest, grid) = (levels[0], levels[level]);
-    let mut of_patch = vec![vec![]; grid.len()];
-    let mut of_face = vec![0; mesh.faces.len()];
-    for (tile, faces) in owned.iter().enumerate() {
-        let (i, j) = (tile % finest.columns, tile / finest.columns);
-        let patch = grid.index([i >> level, j >> level]);
-        for &f in faces {
-            of_face[f as usize] = patch as u32;
-        }
-        of_patch[patch].extend(faces);
+    let of_face = tile_of_face(levels, level, owned);
+    let mut of_patch = vec![vec![]; levels[level].len()];
+    for (f, &patch) in of_face.iter().enumerate() {
+        of_patch[patch as usize].push(f as u32);
     }
     let patches = of_patch.iter().map(|faces| Patch::new(mesh, faces));
     (patches.collect(), of_face)
+}
+
+/// The tile of a level that each face is in, given what the finest own.
+fn tile_of_face(levels: &[Level], level: usize, owned: &[Vec<u32>]) -> Vec<u32> {
+    let (finest, grid) = (levels[0], levels[level]);
+    let mut tiles = vec![0; owned.iter().map(Vec::len).sum()];
+    for (t, faces) in owned.iter().enumerate() {
+        let (i, j) = (t % finest.columns, t / finest.columns);
+        for &f in faces {
+            tiles[f as usize] = grid.index([i >> level, j >> level]) as u32;
+        }
+    }
+    tiles
 }
 
 fn keepers(mesh: &Mesh) -> [Vec<u32>; 2] {
