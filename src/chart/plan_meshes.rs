@@ -13,8 +13,8 @@ const FIRST: usize = 32;
 const DEARER: f64 = 1.5;
 /// What a mesh may be expected to cost, over the budget, before a scene is given up without trying what is between.
 const HOPELESS: f64 = 8.0;
-/// Share of the tolerance that the mesh may take; and where the next mesh would cost more than the budget, so that the
-/// explicit scheme has to be good enough, whose error in time is far below any tolerance.
+/// Share of the tolerance that the mesh may take; and where the next mesh would cost more than the budget, so that little is
+/// left for the step.
 const SPACE: f64 = 0.75;
 const ALONE: f64 = 0.95;
 /// Times the triangles from one mesh to the next: with fewer, what is left of the error is lost in the noise of random meshes.

@@ -121,6 +121,11 @@ impl Obstacle {
         self.velocity.linear + self.velocity.angular.cross(&arm)
     }
 
+    /// Whether it turns, or follows a motion that may turn it.
+    pub fn may_turn(&self) -> bool {
+        self.scripted || self.velocity.angular.norm() > 0.0
+    }
+
     /// Whether its surface stays where it is.
     pub fn is_still(&self) -> bool {
         !self.scripted && self.velocity == Velocity::default() && self.overlap.speed == 0.0

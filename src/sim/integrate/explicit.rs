@@ -200,11 +200,10 @@ impl Explicit {
     /// Whether threads can share a run of substeps: not where air, layers, or what moves a support or turns an obstacle
     /// asks for the whole sheet in each of them.
     fn can_share(&self, model: &Model, state: &State, count: u64) -> bool {
-        let turns = |body: &Obstacle| body.scripted || body.velocity.angular.norm() > 0.0;
         count >= FEWEST_SHARED
             && model.carried.is_empty()
             && !(model.layers.is_some() && self.watching)
-            && !state.obstacles.iter().any(turns)
+            && !state.obstacles.iter().any(Obstacle::may_turn)
             && Breeze::of(model, state).is_none()
     }
 
@@ -213,10 +212,11 @@ impl Explicit {
         model: &Model,
         state: &mut State,
         (sheet, mut hands): (&mut Portion, Hands),
-        Run {
-            dt, count, damped, ..
-        }: Run,
+        run: Run,
     ) {
+        let Run {
+            dt, count, damped, ..
+        } = run;
         let vertices = model.masses.len();
         let moment = |substep: u64| match substep == count {
             true => model.scene.method.dt,
@@ -224,13 +224,12 @@ impl Explicit {
         };
         let breeze = Breeze::of(model, state);
         let watched = model.layers.filter(|_| self.watching);
-        let passed = model.layers.is_some() && !self.watching;
         for substep in 0..count {
             let time = model.script_time(state, moment(substep + 1));
             let held = prescribed(model, time, &sheet.nodes, &mut sheet.rates, dt);
             let fastest = hands.drift(sheet, dt);
             place(&held, &mut sheet.nodes);
-            let kept = passed && Apart::is_moment(substep + 1, count);
+            let kept = run.keeps(substep);
             let cloth = (&mut *sheet, &mut hands);
             self.meeting
                 .meet(model, state, cloth, (time, fastest, dt), kept);

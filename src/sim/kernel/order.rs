@@ -1,7 +1,5 @@
 //! The order in which faces are taken, which is that of the sums at the nodes.
 
-use std::collections::BTreeMap;
-
 use crate::math::sparse::NO_SLOT;
 use crate::physics::Potential;
 use crate::sim::model::Model;
@@ -73,12 +71,14 @@ fn moving(model: &Model) -> Vec<bool> {
 /// whatever other faces there are.
 pub fn pack(faces: impl Iterator<Item = [u32; 6]>) -> Vec<(usize, usize)> {
     // The first four in which a node may be used next.
-    let mut free: BTreeMap<u32, usize> = BTreeMap::new();
+    let mut free: Vec<usize> = vec![];
     let mut filled: Vec<usize> = vec![];
     let mut full = 0;
     let place = |nodes: [u32; 6]| {
-        let after = nodes.iter().filter_map(|node| free.get(node)).max();
-        let mut four = full.max(after.copied().unwrap_or(0));
+        let nodes = nodes.map(|node| node as usize);
+        let last = nodes.iter().fold(0, |last, node| last.max(*node));
+        free.resize(free.len().max(last + 1), 0);
+        let mut four = nodes.iter().fold(full, |four, node| four.max(free[*node]));
         while filled.get(four) == Some(&4) {
             four += 1;
         }
@@ -91,7 +91,7 @@ pub fn pack(faces: impl Iterator<Item = [u32; 6]>) -> Vec<(usize, usize)> {
             full += 1;
         }
         for node in nodes {
-            free.insert(node, four + 1);
+            free[node] = four + 1;
         }
         at
     };

@@ -37,7 +37,7 @@ impl Hands<'_> {
         }
     }
 
-    /// Takes the rates of the vertices to the next half step; before the last, the rates are kept.
+    /// Takes the rates of the vertices to the next half step.
     pub fn kick(&mut self, sheet: &mut Portion, dt: f64, damped: bool) {
         match self {
             Self::Alone => sheet.kick(dt, damped),

@@ -6,9 +6,9 @@ use crate::physics::drag::Drag;
 use crate::sim::air::resistances;
 use crate::sim::lanes::{Lanes, lanes, vector};
 
-/// Takes the rates of the vertices to the next half step with air on the faces, whose force is linear in the velocity, too: with R the sum of the faces'
-/// resistances at a vertex, (I + B dt/2) dv = (M^-1 (f + R u) - B v) dt and B = M^-1 R + mu A/m. Returns what
-/// damping took out and what the air put in \[J\].
+/// Takes the rates of the vertices to the next half step with air on the faces, whose force is linear in the velocity: with
+/// R the sum of the faces' resistances at a vertex, (I + B dt/2) dv = (M^-1 (f + R u) - B v) dt and B = M^-1 R + mu A/m.
+/// Returns what damping took out and what the air put in \[J\].
 pub fn kick_in_air(
     air: &Drag,
     (nodes, forces): (&[Lanes], &[Lanes]),

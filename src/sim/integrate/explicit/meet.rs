@@ -217,8 +217,7 @@ impl Meeting {
         if bodies.iter().all(Obstacle::is_still) {
             return 0.0;
         }
-        let turns = |body: &Obstacle| body.scripted || body.velocity.angular.norm() > 0.0;
-        if bodies.iter().any(turns) {
+        if bodies.iter().any(Obstacle::may_turn) {
             self.refresh(nodes);
         }
         let before = bodies.iter().map(|body| (body.pose, body.overlap.depth));

@@ -22,9 +22,14 @@ pub struct Run {
 }
 
 impl Run {
+    /// Whether the place that a substep leads to is kept.
+    pub fn keeps(&self, substep: u64) -> bool {
+        self.moments && Apart::is_moment(substep + 1, self.count)
+    }
+
     /// Whether more is asked of the sheet in a substep than that it moves.
     pub fn asks(&self, substep: u64) -> bool {
-        self.contact || self.moments && Apart::is_moment(substep + 1, self.count)
+        self.contact || self.keeps(substep)
     }
 }
 
