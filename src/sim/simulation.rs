@@ -71,8 +71,8 @@ impl Simulation {
             }
             (Some(rule), _) => Engine::Implicit(rule, Box::new(Implicit::new(&model, threads))),
             (None, _) => {
-                let mut explicit = Box::new(Explicit::new(&model, &state.nodes(), threads));
-                let substep = substep(&model, explicit.limit(&model))?;
+                let explicit = Box::new(Explicit::new(&model, &state.nodes(), threads));
+                let substep = substep(&model, explicit.limit())?;
                 Engine::Explicit(explicit, substep)
             }
         };

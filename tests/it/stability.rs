@@ -77,6 +77,29 @@ fn the_explicit_limit_has_two_sides() {
     }
 }
 
+/// A sheet at rest falls on plates in one long step, at whose start they are out of reach. Where six lie in one place their
+/// contacts are too stiff for the substep that was chosen, and the step is taken again in shorter ones.
+#[test]
+fn contacts_that_no_step_saw_coming() {
+    let fall = |plates: usize| {
+        let plate = "shape = { kind = \"box\", size = [1.0, 1.0, 0.02] }, position = [0, 0, -0.03]";
+        let plates = (0..plates).map(|p| format!("obstacle.plate{p}={{ {plate} }}"));
+        let mut set: Vec<String> = plates.collect();
+        set.extend(["sheet.triangles=100", "method.dt=0.1", "duration=0.1"].map(String::from));
+        let set: Vec<&str> = set.iter().map(String::as_str).collect();
+        let mut simulation = simulation(&with("free-fall", "central-difference", &set));
+        let report = simulation.step().unwrap().clone();
+        assert!(
+            report.contacts > 0 && report.largest_strain < 1e-2,
+            "{report:?}"
+        );
+        report.work
+    };
+    let (one, many) = (fall(1), fall(6));
+    println!("{} and {} substeps", one.substeps, many.substeps);
+    assert!(2 * many.substeps > 3 * one.substeps);
+}
+
 /// S2. A membrane a tenth to a thousand times as stiff, at a sixtieth of a second and at a millisecond.
 #[test]
 fn a_ladder_of_stiffness() {

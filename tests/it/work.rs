@@ -107,8 +107,8 @@ fn work_of_a_drape_over_a_table() {
     );
     let explicit = work("drape-table", &set);
     let passes = Work {
-        substeps: 1100,
-        evaluations: 1100,
+        substeps: 920,
+        evaluations: 920,
         ..Work::default()
     };
     assert_eq!(explicit, passes);

@@ -22,7 +22,7 @@ use nalgebra::Vector3;
 use super::folds::Folds;
 use super::held::{place, prescribed, rest_supports, work_of_supports};
 use super::stable::{
-    Limits, SAFETY, largest_frequency, layers, most_inertia, slope_stiffness, stiffening,
+    SAFETY, contact_rate, largest_frequency, most_inertia, slope_stiffness, stiffening,
 };
 use crate::contact::Obstacle;
 use crate::math::sparse::NO_SLOT;
@@ -52,7 +52,11 @@ const FEWEST_SHARED: u64 = 8;
 pub struct Explicit {
     sheet: Portion,
     crew: Option<Crew>,
-    limits: Limits,
+    /// Square of the largest angular frequency at the start, that as the sheet is stretched in the step, and what contact
+    /// with obstacles may add to it \[1/s²\].
+    own: f64,
+    stretched: f64,
+    touching: f64,
     meeting: Meeting,
     folds: Folds,
     apart: Apart,
@@ -65,16 +69,19 @@ impl Explicit {
     pub fn new(model: &Model, nodes: &[Vector3<f64>], threads: usize) -> Self {
         let vertices = model.masses.len();
         let mut inertia = model.masses.clone();
-        let stiffest = largest_frequency(model, nodes, &inertia, 1);
+        let stiffest = largest_frequency(model, nodes, &inertia);
         inertia.extend(slope_stiffness(model).iter().enumerate().map(|(e, k)| {
             let enough = INERTIA_MARGIN * k / stiffest.powi(2);
             enough.min(most_inertia(model, e))
         }));
         let sheet = Portion::whole(model, nodes, inverse_masses(model, &inertia));
+        let own = largest_frequency(model, nodes, &inertia).powi(2);
         Self {
             crew: Crew::new(model, &sheet, threads),
             sheet,
-            limits: Limits::new(nodes, inertia),
+            own,
+            stretched: own,
+            touching: 0.0,
             meeting: Meeting::new(vertices),
             folds: Folds::default(),
             apart: Apart::default(),
@@ -82,20 +89,27 @@ impl Explicit {
         }
     }
 
-    /// Largest stable substep where the sheet touches one obstacle at a place \[s\].
-    pub fn limit(&mut self, model: &Model) -> f64 {
-        self.limits.under(model, 1)
+    /// Largest stable substep of the sheet at its start, where it touches nothing \[s\].
+    pub fn limit(&self) -> f64 {
+        2.0 / self.own.sqrt()
+    }
+
+    /// Largest stable substep with what the sheet may touch in the step, layers apart \[s\].
+    fn limit_now(&self) -> f64 {
+        2.0 / (self.stretched + self.touching).sqrt()
     }
 
     /// The substep for a step of `span` from `state` \[s\]: the wanted one, or less where obstacles or layers meet.
     pub fn substep(&mut self, model: &Model, state: &State, wanted: f64, span: f64) -> f64 {
-        let layers = layers(model, state, span);
         let stiffer = stiffening(model, &state.positions);
-        let limit = self.limits.under(model, layers) / stiffer;
-        let wanted = match layers {
-            1 => wanted / stiffer,
-            _ => (wanted / stiffer).min(SAFETY * limit),
+        self.stretched = self.own * stiffer.powi(2);
+        self.touching = contact_rate(model, state, span);
+        let limit = self.limit_now();
+        let safety = match model.scene.method.substep {
+            Some(_) => 1.0,
+            None => SAFETY,
         };
+        let wanted = (wanted / stiffer).min(safety * limit);
         match &model.layers {
             Some(law) if self.watching => {
                 let sheet = (&state.positions[..], &state.velocities[..]);
@@ -183,15 +197,16 @@ impl Explicit {
         sheet.rates.extend(rates.zip(accelerations).map(half_step));
         sheet.begin();
         state.ledger.supports -= model.held_kinetic(state);
-        self.meeting.begin();
+        self.meeting.begin((2.0 / dt).powi(2) - self.stretched);
         self.watching |= !Apart::pays(count);
         if model.layers.is_none() {
             return;
         }
         let sheet = (&self.sheet.nodes[..], &self.sheet.rates[..]);
         if self.watching {
-            let limit = self.limits.under(model, 1);
-            self.folds.begin(model, sheet, dt, limit);
+            let limit = self.limit_now();
+            self.folds
+                .begin(model, (&self.sheet.nodes, &self.sheet.rates), dt, limit);
         } else {
             self.apart.begin(sheet.0, model.masses.len());
         }

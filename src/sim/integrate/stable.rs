@@ -1,10 +1,9 @@
 //! The stable limit of the explicit scheme: 2/omega_max (Courant, Friedrichs, Lewy) of the actual mesh.
 
-use std::collections::BTreeMap;
-
 use nalgebra::{DMatrix, Vector3};
 
 use crate::contact::{Nearby, Obstacle};
+use crate::physics::contact::ContactLaw;
 use crate::physics::{Hessian, Potential};
 use crate::sim::assembly::pick;
 use crate::sim::model::Model;
@@ -24,6 +23,10 @@ const SPENT: f64 = 1e-10;
 /// Slope inertia over m h² that nothing notices: what it adds to a wave of length w is of relative size (h/w)² of this.
 /// Twenty times as much would let a coarse strip swing otherwise.
 const UNNOTICED: f64 = 1e-3;
+/// Edges over the bending length that folds need: shorter ones may have as much inertia as these.
+const RESOLVED: f64 = 0.25;
+/// Of the earth, for the bending length \[m/s²\].
+const GRAVITY: f64 = 9.81;
 
 /// The most that a slope's inertia may be \[kg·m²\]: what nothing notices, or what a solid sheet of the fabric's
 /// thickness has, rho t²/12 for every turn of its normal. A slope knows one direction of two, and an edge stands for a
@@ -32,7 +35,9 @@ pub fn most_inertia(model: &Model, edge: usize) -> f64 {
     let ends = model.mesh.edges[edge].iter();
     let mass = 0.5 * ends.map(|&v| model.masses[v as usize]).sum::<f64>();
     let solid = model.fabric.thickness.powi(2) / 18.0;
-    mass * solid.max(UNNOTICED * model.mesh.edge_length(edge).powi(2))
+    let resolved = RESOLVED * model.fabric.bending_length(GRAVITY);
+    let length = model.mesh.edge_length(edge).max(resolved);
+    mass * solid.max(UNNOTICED * length.powi(2))
 }
 
 /// Bound on the stiffness of each slope in the bending matrix \[N·m\]: the absolute row sum.
@@ -47,30 +52,6 @@ pub fn slope_stiffness(model: &Model) -> Vec<f64> {
     sums
 }
 
-/// Stable limits by how many obstacles touch the sheet at one place; each is worked out when it is first needed.
-pub struct Limits {
-    start: Vec<Vector3<f64>>,
-    inertia: Vec<f64>,
-    known: BTreeMap<usize, f64>,
-}
-
-impl Limits {
-    /// For a sheet that is about as stiff as at `start` (positions, then slopes), with the inertia of each node.
-    pub fn new(start: &[Vector3<f64>], inertia: Vec<f64>) -> Self {
-        Self {
-            start: start.to_vec(),
-            inertia,
-            known: BTreeMap::new(),
-        }
-    }
-
-    /// Largest stable substep with contacts of `layers` obstacles on every vertex, if the model has contact \[s\].
-    pub fn under(&mut self, model: &Model, layers: usize) -> f64 {
-        let work_out = || 2.0 / largest_frequency(model, &self.start, &self.inertia, layers);
-        *self.known.entry(layers).or_insert_with(work_out)
-    }
-}
-
 /// How much faster than at rest a stretched sheet vibrates at most, at least 1: along a Green strain e the stiffness
 /// is C ((1 + 2e) + e), of the law and of the tension.
 pub fn stiffening(model: &Model, positions: &[Vector3<f64>]) -> f64 {
@@ -81,23 +62,30 @@ pub fn stiffening(model: &Model, positions: &[Vector3<f64>]) -> f64 {
     (1.0 + 3.0 * strains.fold(0.0, f64::max)).sqrt()
 }
 
-/// Most obstacles that some vertex can touch, with the edges and faces around it, before `span` seconds are over;
-/// at least one. Stacked contacts are stiffer than one.
-pub fn layers(model: &Model, state: &State, span: f64) -> usize {
-    let (Some(law), true) = (&model.contact, state.obstacles.len() > 1) else {
-        return 1;
+/// Largest stiffness over mass of contacts on vertices that can touch obstacles before `span` seconds are over \[1/s²\].
+pub fn contact_rate(model: &Model, state: &State, span: f64) -> f64 {
+    let Some(law) = &model.contact else {
+        return 0.0;
     };
     let speeds = state.velocities.iter().map(|v| v.norm_squared());
     let fastest = speeds.fold(0.0, f64::max).sqrt();
-    let mut counts = vec![0; state.positions.len()];
-    for body in &state.obstacles {
+    let near = |body: &Obstacle| {
         let margin = MARGIN + (fastest + quickest(model, body, &state.positions)) * span;
-        let near = Nearby::find(&model.mesh, &state.positions, body, law.offset, margin);
-        for &v in near.vertices() {
-            counts[v as usize] += 1;
-        }
+        Nearby::find(&model.mesh, &state.positions, body, law.offset, margin)
+    };
+    let nearby: Vec<Nearby> = state.obstacles.iter().map(near).collect();
+    rate_near(model, law, &nearby)
+}
+
+/// The same of vertices near each obstacle. With omega² of the sheet alone it bounds that of the sheet in contact (Weyl).
+pub fn rate_near(model: &Model, law: &ContactLaw, nearby: &[Nearby]) -> f64 {
+    let mut counts = vec![0u32; model.masses.len()];
+    for &v in nearby.iter().flat_map(Nearby::vertices) {
+        counts[v as usize] += 1;
     }
-    counts.into_iter().max().unwrap_or(0).max(1)
+    let rates = counts.iter().zip(&model.masses);
+    let rates = rates.map(|(count, mass)| f64::from(*count) * law.stiffness / mass);
+    rates.fold(0.0, f64::max)
 }
 
 /// Bound on the speed of an obstacle's surface wherever it can meet the sheet, as long as no command changes it
@@ -117,17 +105,10 @@ pub fn quickest(model: &Model, body: &Obstacle, positions: &[Vector3<f64>]) -> f
     linear + turn * away.fold(0.0, f64::max).sqrt()
 }
 
-/// omega_max \[rad/s\] of M^-1 K at `nodes`, for as many nodes as have an inertia, with `layers` contacts at every
-/// vertex if the model has any: the largest Ritz value of Lanczos' iteration, without reorthogonalisation, which the
-/// extreme one does not need (Golub and Van Loan, Matrix Computations, 4th ed., 10.3).
-pub fn largest_frequency(
-    model: &Model,
-    nodes: &[Vector3<f64>],
-    inertia: &[f64],
-    layers: usize,
-) -> f64 {
-    let vertices = model.masses.len();
-    let contact = model.contact.map_or(0.0, |law| law.stiffness) * layers as f64;
+/// omega_max \[rad/s\] of M^-1 K at `nodes`, for as many nodes as have an inertia, without contact: the largest Ritz value of
+/// Lanczos' iteration, without reorthogonalisation, which the extreme one does not need (Golub and Van Loan, Matrix
+/// Computations, 4th ed., 10.3).
+pub fn largest_frequency(model: &Model, nodes: &[Vector3<f64>], inertia: &[f64]) -> f64 {
     let stencils = 0..model.mesh.faces.len();
     let membrane = |f: usize| (model.stretch).hessian(f, &pick(nodes, &model.stretch.nodes(f)));
     let membrane: Vec<Hessian<3>> = stencils.map(membrane).collect();
@@ -137,10 +118,7 @@ pub fn largest_frequency(
         let mut unscaled = vec![Vector3::zeros(); nodes.len()];
         let scaled = unscaled.iter_mut().zip(mode).zip(&roots);
         scaled.for_each(|((x, y), root)| *x = y / *root);
-        let mut force = stiffness_times(model, &membrane, &unscaled);
-        for (f, x) in force.iter_mut().zip(&unscaled).take(vertices) {
-            *f += x * contact;
-        }
+        let force = stiffness_times(model, &membrane, &unscaled);
         let roots = roots.iter().enumerate();
         roots
             .map(|(n, root)| model.dofs.free(n, force[n] / *root))

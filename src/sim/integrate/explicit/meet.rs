@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use nalgebra::Vector3;
 
 use super::super::impulse::{self, Grip, Taken};
-use super::super::stable::{MARGIN, quickest};
+use super::super::stable::{MARGIN, quickest, rate_near};
 use super::floors::Floors;
 use super::hands::Hands;
 use super::inverse_masses;
@@ -19,6 +19,8 @@ use crate::sim::touch::Touch;
 
 /// [`MARGIN`] for what is looked at in every substep \[m\].
 const SLIVER: f64 = 1e-4;
+/// Haste where a vertex comes near that is too light for the substep.
+const UNFORESEEN: f64 = 1.1;
 /// Part of the margin that must be left, or what is near is collected anew.
 const LEFT: f64 = 0.3;
 
@@ -49,6 +51,8 @@ pub struct Meeting {
     /// How fast surfaces of obstacles may be \[m/s\].
     quickest: f64,
     haste: f64,
+    /// Largest stiffness over mass of contacts that the substep bears \[1/s²\].
+    bearable: f64,
 }
 
 /// Time since the start of the run, largest speed of the sheet, and length of a substep.
@@ -73,11 +77,14 @@ impl Meeting {
             before: vec![],
             quickest: 0.0,
             haste: 0.0,
+            bearable: f64::INFINITY,
         }
     }
 
-    /// Forgets the run of substeps before: a step depends on the state alone, also after a command.
-    pub fn begin(&mut self) {
+    /// Forgets the run of substeps before: a step depends on the state alone, also after a command. What is near obstacles
+    /// may have contacts of so much stiffness over mass \[1/s²\].
+    pub fn begin(&mut self, bearable: f64) {
+        self.bearable = bearable;
         self.allowance = [f64::NEG_INFINITY; 2];
         self.haste = 0.0;
     }
@@ -248,6 +255,9 @@ impl Meeting {
         let (mesh, positions) = (&model.mesh, &self.positions);
         let find = |body| Nearby::find(mesh, positions, body, law.offset, MARGIN);
         self.nearby = bodies.iter().map(find).collect();
+        if rate_near(model, law, &self.nearby) > self.bearable {
+            self.haste = self.haste.max(UNFORESEEN);
+        }
         let places = |(body, near): (&Obstacle, &Nearby)| {
             let close = near.close().iter();
             body.all_to_local(close.map(|&v| &positions[v as usize]))
