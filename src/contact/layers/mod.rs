@@ -11,11 +11,13 @@ mod crossing;
 mod detect;
 mod features;
 mod fit;
+mod hunt;
 #[cfg(test)]
 mod motion_test;
 mod patches;
 mod plane;
 mod rooms;
+mod spread;
 mod sweep;
 #[cfg(test)]
 mod test;
