@@ -18,6 +18,8 @@ mod patches;
 mod plane;
 mod rooms;
 mod spread;
+#[cfg(test)]
+mod spread_test;
 mod sweep;
 #[cfg(test)]
 mod test;

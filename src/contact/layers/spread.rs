@@ -4,7 +4,8 @@
 //! direction. The integral of `R d . F d` along it is `R d . (x(Q) - x(P))`, and `R d` is of length 1: so if
 //! `R d . F d >= m` for every F and every d of length 1, the points are at least `m |P - Q|` apart. With R in the mean
 //! plane of the part, cloth that bends by an angle a to either side of it has m = cos(a): what is across the plane does
-//! not count.
+//! not count. While the sheet moves straight, `R d . F d` changes evenly: gradients at both ends of the way tell for all of
+//! it.
 
 use nalgebra::Vector3;
 

@@ -280,7 +280,7 @@ fn crossings_are_all_found() {
         let mut candidates = Candidates::default();
         candidates.collect(&tiles, &mesh, &positions, 0.0);
         let mut near = vec![];
-        candidates.near_faces(&tiles, &mut near);
+        candidates.near_faces((&tiles, &mesh), &mut near);
         let count = mesh.faces.len() as u32;
         let all = (0..count).flat_map(|f| (f + 1..count).map(move |g| [f, g]));
         let wanted = crossings(&mesh, &positions, all);
