@@ -203,7 +203,7 @@ pub fn inspect(model: &Model, state: &State, report: &mut StepReport) -> f64 {
     let mut touch = LayerTouch::default();
     candidates.pairs(tiles, mesh, &state.positions, &mut touch.pairs);
     let mut near = vec![];
-    candidates.near_faces(tiles, &mut near);
+    candidates.near_faces((tiles, mesh), &mut near);
     let crossed = crossings(mesh, &state.positions, near.into_iter()).len() as u64;
     report.crossings = crossed;
     report.layer_contacts = touch.pairs.len() as u64;

@@ -205,17 +205,17 @@ fn verify_friction_on_triangles_is_that_on_a_plane() {
         println!("{scheme}: slides with {acceleration:.4} m/s² of {expected:.4}");
         assert!((acceleration / expected - 1.0).abs() < 0.01, "{scheme}");
 
-        let mut sticking = simulation(&slope(1.2 * SLOPE.tan(), 0.5));
+        let mut sticking = simulation(&slope(1.2 * SLOPE.tan(), 1.0));
         let middle = |s: &Simulation| {
             let all = &s.state().positions;
             all.iter().map(|p| p.x).sum::<f64>() / all.len() as f64
         };
         let mut x = vec![];
-        for _ in 0..250 {
+        for _ in 0..500 {
             sticking.step().unwrap_or_else(|e| panic!("{e}"));
             x.push(middle(&sticking));
         }
-        let creep = (x[249] - x[149]) / 0.2;
+        let creep = (x[499] - x[399]) / 0.2;
         let weight = 9.81 * sticking.model().masses.iter().sum::<f64>();
         let carried = force(&sticking) / weight;
         println!("{scheme}: creeps with {creep:.1e} m/s, presses with {carried:?} of its weight");

@@ -1,4 +1,4 @@
-//! Boxes in the world, and deformation gradients near a mean.
+//! Boxes in the world.
 
 use nalgebra::Vector3;
 
@@ -40,13 +40,22 @@ impl Bounds {
         let [x, y, z] = [0, 1, 2].map(apart);
         (x * x + y * y + z * z).sqrt()
     }
+}
 
-    /// Whether some axis alone keeps them `reach` apart; the empty box is apart from all.
-    pub fn apart(&self, other: &Self, reach: f64) -> bool {
-        // Without a branch for each: most are apart, no telling along which.
-        let gap = |k: usize| max(self.low[k] - other.high[k], other.low[k] - self.high[k]);
-        max(gap(0), max(gap(1), gap(2))) >= reach
-    }
+/// Whether some axis alone keeps two parts of the sheet `reach` apart while they move straight through the moments at which
+/// each has these boxes, however far they move together; the empty box is apart from all.
+#[inline]
+pub(super) fn apart<const M: usize>(boxes: [[&Bounds; 2]; M], reach: f64) -> bool {
+    // Without a branch for each: most are apart, no telling along which.
+    let gap = |k: usize| {
+        let (mut before, mut behind) = (f64::INFINITY, f64::INFINITY);
+        for [a, b] in boxes {
+            before = min(b.low[k] - a.high[k], before);
+            behind = min(a.low[k] - b.high[k], behind);
+        }
+        max(before, behind)
+    };
+    max(gap(0), max(gap(1), gap(2))) >= reach
 }
 
 // `f64::min` cares for NaN, which costs time; what is not finite is found elsewhere.
@@ -56,38 +65,4 @@ pub(super) fn min(a: f64, b: f64) -> f64 {
 
 pub(super) fn max(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
-}
-
-/// Deformation gradients that lie within a radius of a mean.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Spread {
-    pub mean: [Point; 2],
-    pub radius: f64,
-}
-
-impl Spread {
-    pub const NOTHING: Self = Self {
-        mean: [Vector3::new(0.0, 0.0, 0.0); 2],
-        radius: f64::NEG_INFINITY,
-    };
-
-    pub fn away(&self, mean: &[Point; 2]) -> f64 {
-        let [a, b] = [self.mean[0] - mean[0], self.mean[1] - mean[1]];
-        self.radius + (a.norm_squared() + b.norm_squared()).sqrt()
-    }
-
-    pub fn join(parts: &[Self]) -> Self {
-        let count = parts.len() as f64;
-        let mean = [0, 1].map(|k| parts.iter().map(|p| p.mean[k]).sum::<Point>() / count);
-        let radius = parts.iter().map(|p| p.away(&mean)).fold(0.0, f64::max);
-        Self { mean, radius }
-    }
-
-    /// Least stretch over the straight lines of the patch.
-    pub fn least(&self) -> f64 {
-        let [u, v] = &self.mean;
-        let (a, b, c) = (u.norm_squared(), u.dot(v), v.norm_squared());
-        let least = 0.5 * (a + c - ((a - c).powi(2) + 4.0 * b * b).sqrt());
-        least.max(0.0).sqrt() - self.radius
-    }
 }

@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::detect::{Scratch, edge_pair, vertex_pairs};
 use super::features::{closer, features, nodes};
 use super::fit::Fit;
+use super::hunt::Fits;
 use super::plane::separated;
 use super::rooms::Rooms;
 use super::{Pair, Tiles};
@@ -53,7 +54,7 @@ impl Candidates {
         self.travel = 0.0;
         self.limit = margin;
         self.nearest = tiles.thickness();
-        self.fit.over(tiles, mesh, &[positions]);
+        self.fit.over(tiles, mesh, positions);
         self.search(tiles, mesh, positions, margin);
     }
 
@@ -78,9 +79,8 @@ impl Candidates {
         }
         let kept = self.len();
         self.rooms.begin();
-        let [stale, touching] = self.rooms.stale_patches(tiles);
-        self.fit
-            .over_patches(tiles, mesh, positions, [&stale, &touching]);
+        let stale = self.rooms.stale_patches(tiles);
+        self.fit.over_patches(tiles, mesh, positions, &stale);
         self.search(tiles, mesh, positions, margin);
         self.limit = self.travel + least.min(margin);
         Some(self.len() - kept)
@@ -104,13 +104,14 @@ impl Candidates {
                 list.push((pair, travel + distance - thickness));
             }
         };
+        let mut fits = Fits([&mut self.fit]);
         for b in 0..tiles.patches.len() as u32 {
             for a in 0..=b {
                 if !self.rooms.is_stale([a, b]) {
                     continue;
                 }
                 let two = (tiles.patch_level, [a, b]);
-                let clear = self.fit.near_faces_of(tiles, two, reach, |f, g| {
+                let clear = fits.near_faces_of((tiles, mesh), two, reach, |f, g| {
                     if !separated(mesh, positions, [f, g], reach) {
                         features(tiles, mesh, [f, g], &mut look);
                     }
@@ -126,7 +127,8 @@ impl Candidates {
             look(edges, pair);
         }
         for list in &mut self.found {
-            list.sort_unstable_by_key(|(pair, _)| *pair);
+            // Stable: that is quick where what was kept, in order, is followed by little.
+            list.sort_by_key(|(pair, _)| *pair);
             list.dedup_by_key(|(pair, _)| *pair);
         }
         self.group();
@@ -238,8 +240,8 @@ impl Candidates {
     }
 
     /// Pairs of faces closer than the thickness, as the tiles tell, after a collection.
-    pub fn near_faces(&self, tiles: &Tiles, found: &mut Vec<[u32; 2]>) {
+    pub fn near_faces(&mut self, (tiles, mesh): (&Tiles, &Mesh), found: &mut Vec<[u32; 2]>) {
         let add = |f: u32, g: u32| found.push([f, g]);
-        self.fit.near_faces(tiles, tiles.thickness(), add);
+        Fits([&mut self.fit]).near_faces((tiles, mesh), tiles.thickness(), add);
     }
 }

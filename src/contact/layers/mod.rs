@@ -11,11 +11,15 @@ mod crossing;
 mod detect;
 mod features;
 mod fit;
+mod hunt;
 #[cfg(test)]
 mod motion_test;
 mod patches;
 mod plane;
 mod rooms;
+mod spread;
+#[cfg(test)]
+mod spread_test;
 mod sweep;
 #[cfg(test)]
 mod test;

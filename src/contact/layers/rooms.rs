@@ -115,23 +115,18 @@ impl Rooms {
         self.stale[number(two)]
     }
 
-    /// Which patches have to be searched with some other or with themselves; and between which of them, those beside
-    /// each other, tiles touch.
-    pub fn stale_patches(&self, tiles: &Tiles) -> [Vec<bool>; 2] {
-        let grid = tiles.levels[tiles.patch_level];
-        let (mut all, mut touching) = (vec![false; grid.len()], vec![false; grid.len()]);
+    /// Which patches have to be searched with some other or with themselves.
+    pub fn stale_patches(&self, tiles: &Tiles) -> Vec<bool> {
+        let mut stale = vec![false; tiles.patches.len()];
         let mut n = 0;
-        for b in 0..grid.len() {
+        for b in 0..stale.len() {
             for a in 0..=b {
-                if self.stale[n] {
-                    (all[a], all[b]) = (true, true);
-                    let around = grid.around([a, b]).into_iter().flatten();
-                    around.for_each(|t| touching[t] = true);
-                }
+                stale[a] |= self.stale[n];
+                stale[b] |= self.stale[n];
                 n += 1;
             }
         }
-        [all, touching]
+        stale
     }
 
     /// Enters what the newest search has left between two patches \[m\].

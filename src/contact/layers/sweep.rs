@@ -8,6 +8,7 @@ use super::bounds::max;
 use super::closest::between;
 use super::features::{features, nodes};
 use super::fit::Fit;
+use super::hunt::Fits;
 use super::plane::{features_separated, separated_throughout};
 use super::tiles::Near;
 use crate::sheet::Mesh;
@@ -22,10 +23,23 @@ const MOST_ADVANCES: usize = 1000;
 /// Share of a reach beyond it that is not told from it.
 const SLACK: f64 = 0.05;
 
-/// Work space of [`safe_share`] and [`may_meet`].
+/// Work space of [`safe_share`] and [`may_meet`], for one sheet.
 #[derive(Clone, Debug, Default)]
 pub struct Sweep {
-    fit: Fit,
+    from: Fit,
+    to: Fit,
+}
+
+impl Sweep {
+    /// Lays the tiles at both ends of a way. Many a way begins where the last one did, or ended.
+    fn over(&mut self, tiles: &Tiles, mesh: &Mesh, [from, to]: [&[Point]; 2]) -> Fits<'_, 2> {
+        if self.to.lies_over(from) {
+            std::mem::swap(&mut self.from, &mut self.to);
+        }
+        self.from.over(tiles, mesh, from);
+        self.to.over(tiles, mesh, to);
+        Fits([&mut self.from, &mut self.to])
+    }
 }
 
 /// The share of the motion `from` - `to` that brings no two features nearer than a tenth of their distance; 1 is all of it.
@@ -35,7 +49,7 @@ pub fn safe_share(
     from: &[Point],
     to: &[Point],
 ) -> f64 {
-    sweep.fit.over(tiles, mesh, &[from, to]);
+    let mut fits = sweep.over(tiles, mesh, [from, to]);
     let mut share: f64 = 1.0;
     let mut look = |edges: bool, pair: [u32; 2]| {
         if tiles.excludes(edges, pair) {
@@ -48,7 +62,7 @@ pub fn safe_share(
     };
     // What is certified has a distance at all times, however small.
     let reach = f64::MIN_POSITIVE;
-    sweep.fit.near_faces(tiles, reach, |f, g| {
+    fits.near_faces((tiles, mesh), reach, |f, g| {
         features(tiles, mesh, [f, g], &mut look)
     });
     for &(edges, pair) in tiles.near.iter().flat_map(|near| &near.pairs) {
@@ -65,7 +79,7 @@ pub fn may_meet(
     [from, to]: [&[Point]; 2],
     reach: f64,
 ) -> bool {
-    sweep.fit.over(tiles, mesh, &[from, to]);
+    let mut fits = sweep.over(tiles, mesh, [from, to]);
     let mut met = false;
     let mut look = |edges: bool, pair: [u32; 2]| {
         if met {
@@ -79,16 +93,12 @@ pub fn may_meet(
         let motion = std::array::from_fn(|n| end[n] - x[n]);
         met = comes_within(edges, x, motion, reach) && !tiles.excludes(edges, pair);
     };
-    let told = |near: &&Near| sweep.fit.stretch(tiles, near) * near.least >= reach;
-    for &(edges, pair) in tiles
-        .near
-        .iter()
-        .filter(|near| !told(near))
-        .flat_map(|near| &near.pairs)
-    {
+    let untold = |near: &&Near| !fits.tell((tiles, mesh), near, reach);
+    let near = tiles.near.iter().filter(untold);
+    for &(edges, pair) in near.flat_map(|near| &near.pairs) {
         look(edges, pair);
     }
-    sweep.fit.near_faces(tiles, reach, |f, g| {
+    fits.near_faces((tiles, mesh), reach, |f, g| {
         if !separated_throughout(mesh, [from, to], [f, g], reach) {
             features(tiles, mesh, [f, g], &mut look);
         }

@@ -5,6 +5,7 @@ use rand_pcg::Pcg64;
 use super::closest::between;
 use super::features::{distance, features, nodes};
 use super::fit::Fit;
+use super::hunt::Fits;
 use super::sweep::advance;
 use super::{Candidates, Pair, Sweep, Tiles, crosses, crossings, safe_share};
 use crate::sheet::{Mesh, MeshOptions, Outline, generate};
@@ -182,9 +183,9 @@ fn the_certificate_skips_what_is_far_from_touching() {
     let tiles = Tiles::new(&mesh, THICKNESS);
     let visits = |positions: &[Point]| {
         let mut fit = Fit::default();
-        fit.over(&tiles, &mesh, &[positions]);
+        fit.over(&tiles, &mesh, positions);
         let mut count = 0;
-        fit.near_faces(&tiles, THICKNESS, |_, _| count += 1);
+        Fits([&mut fit]).near_faces((&tiles, &mesh), THICKNESS, |_, _| count += 1);
         count
     };
     let states = states(&mesh);
@@ -279,7 +280,7 @@ fn crossings_are_all_found() {
         let mut candidates = Candidates::default();
         candidates.collect(&tiles, &mesh, &positions, 0.0);
         let mut near = vec![];
-        candidates.near_faces(&tiles, &mut near);
+        candidates.near_faces((&tiles, &mesh), &mut near);
         let count = mesh.faces.len() as u32;
         let all = (0..count).flat_map(|f| (f + 1..count).map(move |g| [f, g]));
         let wanted = crossings(&mesh, &positions, all);

@@ -1,16 +1,16 @@
 //! Tiles of the flat sheet, in a hierarchy, and the certificate that a part of it does not touch itself.
 //!
-//! Let F be the deformation gradient. On a convex patch where every face has `|F - M| <= r` for one matrix M, two points
-//! P, Q of the sheet are at least `(sigma_min(M) - r) |P - Q|` apart, since the straight line between them stays in
-//! the patch. So what is farther apart than `span` in the flat sheet stays out of a reach of
-//! `(sigma_min(M) - r) span`. It takes the place of the normal cone with its contour (Volino, Magnenat-Thalmann
-//! 1994), which tells crossing from not crossing, but knows no distance.
+//! On a convex patch whose gradients keep the points of every straight line m times as far apart as in the flat sheet
+//! ([`super::spread`]), that holds for any two points of the patch, since the straight line between them stays in it. So
+//! what is farther apart than `span` in the flat sheet stays out of a reach of `m span`. It takes the place of the normal
+//! cone with its contour (Volino, Magnenat-Thalmann 1994), which tells crossing from not crossing, but knows no distance.
 
 use std::collections::BTreeMap;
 
 use nalgebra::{Vector2, Vector3};
 
-use super::fit::Fit;
+use super::fit::{Fit, children};
+use super::hunt::Fits;
 use super::patches::Patch;
 use crate::sheet::Mesh;
 
@@ -22,6 +22,8 @@ const SPAN: f64 = 0.8;
 /// Level of the tiles by which features that are near in the flat sheet are grouped, unless patches are smaller: of two by
 /// two finest ones.
 const NEAR_LEVEL: usize = 1;
+/// The coarsest level on which what covers a tile is known: one that is much bent is of no use.
+const MOST_COVERED: usize = 2;
 /// Patches at most.
 const MOST_PATCHES: usize = 128;
 
@@ -58,6 +60,15 @@ impl Level {
     }
 }
 
+/// What covers a tile.
+#[derive(Clone, Debug)]
+pub(super) struct Covering {
+    /// Faces that cover the convex hull of what the tile owns: those near enough to it.
+    pub faces: Vec<u32>,
+    /// Whether all of the tile is cloth or lies outside a convex outline.
+    pub convex: bool,
+}
+
 /// Features of two tiles of [`Tiles::near_level`] that are near in the flat sheet.
 #[derive(Clone, Debug)]
 pub(super) struct Near {
@@ -76,10 +87,8 @@ pub struct Tiles {
     pub(super) levels: Vec<Level>,
     /// Faces by finest tile, each once.
     pub(super) owned: Vec<Vec<u32>>,
-    /// Faces that cover the convex hull of what a finest tile owns: those near enough to it.
-    pub(super) covering: Vec<Vec<u32>>,
-    /// Whether all of a finest tile is cloth or lies outside a convex outline.
-    pub(super) convex: Vec<bool>,
+    /// What covers the tiles of the finest levels.
+    pub(super) coverings: Vec<Vec<Covering>>,
     pub(super) shape: Vec<[Vector2<f64>; 3]>,
     /// The face that answers for each vertex and edge.
     pub(super) vertex_keeper: Vec<u32>,
@@ -109,8 +118,8 @@ impl Tiles {
         tiles.thickness = thickness;
         let flat: Vec<Vector3<f64>> = mesh.material.iter().map(|p| p.push(0.0)).collect();
         let mut fit = Fit::default();
-        fit.over(&tiles, mesh, &[&flat]);
-        let found = fit.flat_pairs(&tiles, mesh, &flat, span);
+        fit.over(&tiles, mesh, &flat);
+        let found = Fits([&mut fit]).flat_pairs(&tiles, mesh, &flat, span);
         let least = std::f64::consts::FRAC_PI_2 * thickness;
         let mut near: BTreeMap<[u32; 2], Near> = BTreeMap::new();
         let tile_of_face = tile_of_face(&tiles.levels, tiles.near_level(), &tiles.owned);
@@ -203,11 +212,11 @@ impl Tiles {
         let (patches, patch_of_face) = patches(mesh, &levels, patch_level, &owned);
         let (keepers, stars) = (keepers(mesh), stars(mesh));
         let [vertex_keeper, edge_keeper] = keepers;
+        let covered = &levels[..=patch_level.min(MOST_COVERED)];
         Self {
+            coverings: coverings(covered, covering, convex),
             levels,
             owned,
-            covering,
-            convex,
             shape: (0..mesh.faces.len())
                 .map(|f| mesh.shape_gradients(f))
                 .collect(),
@@ -255,9 +264,14 @@ impl Tiles {
 
     /// The patch that a tile of a level not above that of the patches lies in.
     pub(super) fn patch_of_tile(&self, level: usize, tile: usize) -> usize {
-        let (grid, up) = (self.levels[level], self.patch_level - level);
+        self.above(level, tile, self.patch_level)
+    }
+
+    /// The tile of a level in which one of a level not above it lies.
+    pub(super) fn above(&self, level: usize, tile: usize, higher: usize) -> usize {
+        let (grid, up) = (self.levels[level], higher - level);
         let (i, j) = (tile % grid.columns, tile / grid.columns);
-        self.levels[self.patch_level].index([i >> up, j >> up])
+        self.levels[higher].index([i >> up, j >> up])
     }
 
     /// How many faces a vertex has around it, all around; none on the boundary.
@@ -270,6 +284,35 @@ impl Tiles {
         let excluded = &self.excluded[usize::from(edges)];
         !excluded.is_empty() && excluded.binary_search(&pair).is_ok()
     }
+}
+
+/// What covers the tiles of some levels, given what covers the finest.
+fn coverings(levels: &[Level], finest: Vec<Vec<u32>>, convex: Vec<bool>) -> Vec<Vec<Covering>> {
+    let whole = finest.into_iter().zip(convex);
+    let mut coverings: Vec<Vec<Covering>> = vec![
+        whole
+            .map(|(faces, convex)| Covering { faces, convex })
+            .collect(),
+    ];
+    for (below, grid) in levels.iter().zip(&levels[1..]) {
+        let fine = &coverings[coverings.len() - 1];
+        let of_tile = |t: usize| {
+            let mut whole = Covering {
+                faces: vec![],
+                convex: true,
+            };
+            for child in children(*below, [t % grid.columns, t / grid.columns]) {
+                let part = &fine[below.index(child)];
+                whole.faces.extend(&part.faces);
+                whole.convex &= part.convex;
+            }
+            whole.faces.sort_unstable();
+            whole.faces.dedup();
+            whole
+        };
+        coverings.push((0..grid.len()).map(of_tile).collect());
+    }
+    coverings
 }
 
 /// The tiles of a level as patches, and the patch of each face.
