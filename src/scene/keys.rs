@@ -263,6 +263,7 @@ const SLEEP: &[Key] = &[
 const PERTURBATION: &[Key] = &[
     may("amplitude", Number(range(0.0, 0.1, "m"))),
     may("seed", SEED),
+    may("fade", Number(range(0.0, 1.0, "m"))),
 ];
 
 const METHOD: &[Key] = &[

@@ -362,6 +362,10 @@ pub struct Perturbation {
     /// Seed of the field.
     #[serde(default)]
     pub seed: u64,
+    /// Distance from supports over which it rises from nothing \[m\]. With none it ends at them in a jump, which a finer
+    /// mesh makes sharper.
+    #[serde(default)]
+    pub fade: f64,
 }
 
 /// World axis.

@@ -24,6 +24,7 @@ mod near;
 mod neglect;
 mod overlap;
 mod parts;
+mod perturbation;
 mod problem;
 mod regions;
 mod report;

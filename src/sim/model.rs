@@ -3,8 +3,6 @@
 use std::collections::BTreeMap;
 
 use nalgebra::{Rotation3, Vector2, Vector3};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64;
 
 use crate::contact::layers::Tiles;
 use crate::contact::{Features, Motion, Obstacle, Velocity};
@@ -24,6 +22,7 @@ use super::air::Air;
 use super::carry::Carried;
 use super::command::AirRegion;
 use super::dofs::Dofs;
+use super::perturbation::perturbation;
 use super::regions::{loads, nearest_vertex, supports};
 
 /// Mesh, fabric and terms of a run.
@@ -168,7 +167,11 @@ impl Model {
             .mesh
             .outline
             .iter()
-            .zip(perturbation(&self.scene, &self.mesh))
+            .zip(perturbation(
+                &self.scene.perturbation,
+                &self.mesh,
+                &self.supports,
+            ))
             .map(|(p, rise)| sheet_to_world(p) + normal * rise)
             .collect();
         for support in &self.supports {
@@ -320,42 +323,4 @@ fn readings(scene: &Scene, mesh: &Mesh) -> Vec<Reading> {
         }
     };
     scene.observe.iter().map(reading).collect()
-}
-
-/// Waves summed in the perturbation.
-const WAVES: usize = 24;
-
-/// A smooth random field on the vertices: plane waves of random direction, phase and length (between a quarter
-/// and the whole of the sheet's size), scaled to the amplitude \[m\].
-fn perturbation(scene: &Scene, mesh: &Mesh) -> Vec<f64> {
-    let spec = scene.perturbation;
-    if spec.amplitude == 0.0 {
-        return vec![0.0; mesh.outline.len()];
-    }
-    let mut random = Pcg64::seed_from_u64(spec.seed);
-    let size = mesh.outline.iter().map(|p| p.norm()).fold(0.0, f64::max) * 2f64.sqrt();
-    let waves: Vec<(Vector2<f64>, f64)> = (0..WAVES)
-        .map(|_| {
-            let (turn, phase, length): (f64, f64, f64) =
-                (random.random(), random.random(), random.random());
-            let (sin, cos) = (std::f64::consts::TAU * turn).sin_cos();
-            let number = std::f64::consts::TAU * (1.0 + 3.0 * length) / size;
-            (
-                Vector2::new(cos, sin) * number,
-                phase * std::f64::consts::TAU,
-            )
-        })
-        .collect();
-    let raw: Vec<f64> = mesh
-        .outline
-        .iter()
-        .map(|p| {
-            waves
-                .iter()
-                .map(|(k, phase)| (k.dot(p) + phase).cos())
-                .sum()
-        })
-        .collect();
-    let largest = raw.iter().fold(0.0, |m: f64, r| m.max(r.abs()));
-    raw.iter().map(|r| r * spec.amplitude / largest).collect()
 }

@@ -218,6 +218,7 @@ thickness = 2e-3
 [perturbation]
 amplitude = 1e-4
 seed = 9223372036854775807
+fade = 0.02
 [method]
 scheme = "generalised-alpha"
 dt = 1e-3
