@@ -11,6 +11,7 @@ mod crossing;
 mod detect;
 mod features;
 mod fit;
+mod gaps;
 mod hunt;
 #[cfg(test)]
 mod motion_test;

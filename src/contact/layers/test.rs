@@ -14,7 +14,7 @@ type Point = Vector3<f64>;
 
 pub(super) const THICKNESS: f64 = 0.5e-3;
 
-fn mesh(outline: Outline, edge: f64) -> Mesh {
+pub(super) fn mesh(outline: Outline, edge: f64) -> Mesh {
     generate(
         &outline,
         &MeshOptions {
@@ -140,11 +140,17 @@ fn no_near_pair_is_missed() {
         outer: 0.05,
         inner: 0.02,
     };
+    let slit = Outline::Sector {
+        outer: 0.05,
+        inner: 0.02,
+        angle: 350.0,
+    };
     // The finest mesh has edges shorter than the cloth is thick.
     let cases = [
         (square(4e-3), 1.0),
         (mesh(disc, 3e-3), 1.0),
         (mesh(ring, 3e-3), 1.0),
+        (mesh(slit, 3e-3), 1.0),
         (
             mesh(
                 Outline::Rectangle {

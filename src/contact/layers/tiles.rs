@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use nalgebra::{Vector2, Vector3};
 
 use super::fit::{Fit, children};
+use super::gaps::{inward_edges, leave_out_gaps};
 use super::hunt::Fits;
 use super::patches::Patch;
 use crate::sheet::Mesh;
@@ -179,25 +180,22 @@ impl Tiles {
             overhang = overhang.sup(&(a.sup(&b).sup(&c) - end));
         }
         let mut covering = vec![vec![]; finest.len()];
-        let holes = mesh.material.len() + mesh.faces.len() != mesh.edges.len() + 1;
+        let inward = inward_edges(mesh);
         let mut convex = vec![true; finest.len()];
         for f in 0..mesh.faces.len() {
             let [a, b, c] = corners(f);
             let first = place(a.inf(&b).inf(&c) - overhang);
             let last = place(a.sup(&b).sup(&c) + overhang);
-            let rim = mesh.face_edges[f]
-                .iter()
-                .any(|&e| mesh.is_boundary(e as usize));
+            let rim = mesh.face_edges[f].iter().any(|&e| inward[e as usize]);
             let columns = first[0]..=last[0];
             let tiles = (first[1]..=last[1]).flat_map(|j| columns.clone().map(move |i| [i, j]));
             for tile in tiles.map(|tile| finest.index(tile)) {
                 covering[tile].push(f as u32);
-                convex[tile] &= !(holes && rim);
+                convex[tile] &= !rim;
             }
         }
-        if holes {
-            let filled = convex.iter_mut().zip(&covering);
-            filled.for_each(|(convex, faces)| *convex &= !faces.is_empty());
+        if inward.contains(&true) {
+            leave_out_gaps(finest, &covering, &mut convex);
         }
         let mut levels = vec![finest];
         while levels[levels.len() - 1].len() > 1 {
