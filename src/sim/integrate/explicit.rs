@@ -202,11 +202,10 @@ impl Explicit {
         if model.layers.is_none() {
             return;
         }
+        let limit = self.limit_now();
         let sheet = (&self.sheet.nodes[..], &self.sheet.rates[..]);
         if self.watching {
-            let limit = self.limit_now();
-            self.folds
-                .begin(model, (&self.sheet.nodes, &self.sheet.rates), dt, limit);
+            self.folds.begin(model, sheet, dt, limit);
         } else {
             self.apart.begin(sheet.0, model.masses.len());
         }
