@@ -107,7 +107,7 @@ impl Simulation {
         &self.report
     }
 
-    /// Substep of the explicit scheme \[s\], if that is the method; shorter where several obstacles meet.
+    /// Substep of the explicit scheme \[s\], if that is the method; shorter where it may touch obstacles.
     pub fn substep(&self) -> Option<f64> {
         match self.engine {
             Engine::Explicit(_, substep) => Some(substep),

@@ -6,15 +6,20 @@ use crate::sheet::Mesh;
 /// Edges of the boundary that have cloth on both sides of their line. Cut by the others alone, a part of the sheet stays
 /// convex.
 pub(super) fn inward_edges(mesh: &Mesh) -> Vec<bool> {
-    let places = &mesh.material;
+    let boundary: Vec<usize> = (0..mesh.edges.len())
+        .filter(|&e| mesh.is_boundary(e))
+        .collect();
+    let ends = |e: usize| mesh.edges[e].map(|v| mesh.material[v as usize]);
+    // All cloth lies among the corners of its boundary.
+    let corners: Vec<_> = boundary.iter().flat_map(|&e| ends(e)).collect();
     let is_inward = |e: usize| {
-        let [a, b] = mesh.edges[e].map(|v| places[v as usize]);
+        let [a, b] = ends(e);
         let along = b - a;
         // Corners of a straight side are off it by rounding.
         let rounding = 1e-9 * along.norm_squared();
         let mut seen = [false; 2];
-        for place in places {
-            let side = along.perp(&(place - a));
+        for corner in &corners {
+            let side = along.perp(&(corner - a));
             seen[0] |= side > rounding;
             seen[1] |= side < -rounding;
             if seen == [true; 2] {
@@ -23,9 +28,11 @@ pub(super) fn inward_edges(mesh: &Mesh) -> Vec<bool> {
         }
         false
     };
-    (0..mesh.edges.len())
-        .map(|e| mesh.is_boundary(e) && is_inward(e))
-        .collect()
+    let mut inward = vec![false; mesh.edges.len()];
+    for e in boundary {
+        inward[e] = is_inward(e);
+    }
+    inward
 }
 
 /// An empty tile beside one that is not convex may be a gap in the sheet.
