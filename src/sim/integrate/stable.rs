@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, Vector3};
 
-use crate::contact::{Nearby, Obstacle};
+use crate::contact::{Nearby, Obstacle, Shape};
 use crate::physics::contact::ContactLaw;
 use crate::physics::{Hessian, Potential};
 use crate::sim::assembly::pick;
@@ -71,16 +71,36 @@ pub fn contact_rate(model: &Model, state: &State, span: f64) -> f64 {
     let fastest = speeds.fold(0.0, f64::max).sqrt();
     let near = |body: &Obstacle| {
         let margin = MARGIN + (fastest + quickest(model, body, &state.positions)) * span;
-        Nearby::find(&model.mesh, &state.positions, body, law.offset, margin)
+        if let Shape::Mesh(_) = body.shape {
+            return by_distance(model, law, body, &state.positions, margin);
+        }
+        let near = Nearby::find(&model.mesh, &state.positions, body, law.offset, margin);
+        near.vertices().to_vec()
     };
-    let nearby: Vec<Nearby> = state.obstacles.iter().map(near).collect();
-    rate_near(model, law, &nearby)
+    rate_of(model, law, state.obstacles.iter().flat_map(near))
 }
 
-/// The same of vertices near each obstacle. With omega² of the sheet alone it bounds that of the sheet in contact (Weyl).
-pub fn rate_near(model: &Model, law: &ContactLaw, nearby: &[Nearby]) -> f64 {
+/// Vertices of edges and faces that may be within `margin` of touching, at least. For triangle meshes: all pairs of parts
+/// so far from each other would be many.
+fn by_distance(
+    model: &Model,
+    law: &ContactLaw,
+    body: &Obstacle,
+    positions: &[Vector3<f64>],
+    margin: f64,
+) -> Vec<u32> {
+    let reach = law.offset + model.longest_edge + margin;
+    let near = (0..).zip(positions);
+    near.filter(|(_, x)| body.distance(x).value < reach)
+        .map(|(v, _)| v)
+        .collect()
+}
+
+/// Largest stiffness over mass with a contact at each of these vertices, stacked where one comes again \[1/s²\]. With omega²
+/// of the sheet alone it bounds that of the sheet in contact (Weyl).
+pub fn rate_of(model: &Model, law: &ContactLaw, vertices: impl Iterator<Item = u32>) -> f64 {
     let mut counts = vec![0u32; model.masses.len()];
-    for &v in nearby.iter().flat_map(Nearby::vertices) {
+    for v in vertices {
         counts[v as usize] += 1;
     }
     let rates = counts.iter().zip(&model.masses);

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use nalgebra::Vector3;
 
 use super::super::impulse::{self, Grip, Taken};
-use super::super::stable::{MARGIN, quickest, rate_near};
+use super::super::stable::{MARGIN, quickest, rate_of};
 use super::floors::Floors;
 use super::hands::Hands;
 use super::inverse_masses;
@@ -255,7 +255,8 @@ impl Meeting {
         let (mesh, positions) = (&model.mesh, &self.positions);
         let find = |body| Nearby::find(mesh, positions, body, law.offset, MARGIN);
         self.nearby = bodies.iter().map(find).collect();
-        if rate_near(model, law, &self.nearby) > self.bearable {
+        let near = self.nearby.iter().flat_map(Nearby::vertices).copied();
+        if rate_of(model, law, near) > self.bearable {
             self.haste = self.haste.max(UNFORESEEN);
         }
         let places = |(body, near): (&Obstacle, &Nearby)| {
