@@ -121,6 +121,7 @@ fn membrane(model: &Model, f: usize, g1: &Vector2<f64>, g2: &Vector2<f64>) -> [f
 
 /// Four faces, number by number. Where there are fewer, the others have no constants and so no forces.
 #[derive(Default)]
+#[repr(align(64))]
 struct Faces {
     nodes: [[u32; 4]; 6],
     rest: [[f64; 4]; 3],

@@ -11,7 +11,7 @@ use super::air::Breeze;
 use super::assembly::{Assembly, pick};
 use super::constant::Constant;
 use super::kernel::Kernel;
-use super::lanes::lanes;
+use super::lanes::{ZERO, lanes};
 use super::layers::inspect;
 use super::model::Model;
 use super::report::{StepReport, Work};
@@ -75,7 +75,7 @@ impl Simulation {
     fn kernel_part(&self, work: &Work) -> Part<'_> {
         let kernel = Kernel::new(&self.model);
         let nodes: Vec<_> = self.state.nodes().iter().map(lanes).collect();
-        let mut forces = vec![[0.0; 4]; nodes.len()];
+        let mut forces = vec![ZERO; nodes.len()];
         part(
             Term::Stretch,
             "and bend, forces in one pass",

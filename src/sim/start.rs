@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::air::Breeze;
 use super::command::Rejected;
 use super::kernel::Kernel;
-use super::lanes::{Lanes, add, lanes, vector};
+use super::lanes::{Lanes, ZERO, add, lanes, vector};
 use super::layers::LayerTouch;
 use super::model::Model;
 use super::overlap;
@@ -39,7 +39,7 @@ pub fn start(model: &Model) -> Result<(State, Touch), Rejected> {
     model.hold(&mut state, 0.0);
     overlap::enter_all(model, &mut state)?;
     let touch = Touch::of(model, &state, None);
-    let mut forces = vec![[0.0; 4]; nodes.len()];
+    let mut forces = vec![ZERO; nodes.len()];
     let in_lanes: Vec<Lanes> = nodes.iter().map(lanes).collect();
     Kernel::new(model).add_forces(&in_lanes, &mut forces);
     if let Some(law) = &model.contact {

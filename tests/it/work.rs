@@ -107,8 +107,8 @@ fn work_of_a_drape_over_a_table() {
     );
     let explicit = work("drape-table", &set);
     let passes = Work {
-        substeps: 920,
-        evaluations: 920,
+        substeps: 880,
+        evaluations: 880,
         ..Work::default()
     };
     assert_eq!(explicit, passes);

@@ -22,12 +22,11 @@ use nalgebra::Vector3;
 use super::folds::Folds;
 use super::held::{place, prescribed, rest_supports, work_of_supports};
 use super::stable::{
-    SAFETY, contact_rate, largest_frequency, most_inertia, slope_stiffness, stiffening,
+    TOUCHING, contact_rate, largest_frequency, most_inertia, slope_stiffness, stiffening,
 };
 use crate::contact::Obstacle;
-use crate::math::sparse::NO_SLOT;
 use crate::sim::air::Breeze;
-use crate::sim::lanes::{Lanes, add, lanes, scale, vector};
+use crate::sim::lanes::{ZERO, add, lanes, scale, vector};
 use crate::sim::model::Model;
 use crate::sim::report::Work;
 use crate::sim::state::State;
@@ -74,7 +73,7 @@ impl Explicit {
             let enough = INERTIA_MARGIN * k / stiffest.powi(2);
             enough.min(most_inertia(model, e))
         }));
-        let sheet = Portion::whole(model, nodes, inverse_masses(model, &inertia));
+        let sheet = Portion::whole(model, nodes, &inertia[vertices..]);
         let own = largest_frequency(model, nodes, &inertia).powi(2);
         Self {
             crew: Crew::new(model, &sheet, threads),
@@ -105,11 +104,11 @@ impl Explicit {
         self.stretched = self.own * stiffer.powi(2);
         self.touching = contact_rate(model, state, span);
         let limit = self.limit_now();
-        let safety = match model.scene.method.substep {
-            Some(_) => 1.0,
-            None => SAFETY,
+        let longest = match model.scene.method.substep {
+            Some(_) => limit,
+            None => TOUCHING * limit,
         };
-        let wanted = (wanted / stiffer).min(safety * limit);
+        let wanted = (wanted / stiffer).min(longest);
         match &model.layers {
             Some(law) if self.watching => {
                 let sheet = (&state.positions[..], &state.velocities[..]);
@@ -189,13 +188,13 @@ impl Explicit {
         let nodes = state.positions.iter().chain(&state.slopes);
         let rates = state.velocities.iter().chain(&state.slope_rates);
         let past = &state.history.accelerations;
-        let accelerations = past.iter().map(lanes).chain(std::iter::repeat([0.0; 4]));
+        let accelerations = past.iter().map(lanes).chain(std::iter::repeat(ZERO));
         let half_step = |(rate, a)| add(lanes(rate), scale(a, 0.5 * dt));
         sheet.nodes.clear();
         sheet.nodes.extend(nodes.map(lanes));
         sheet.rates.clear();
         sheet.rates.extend(rates.zip(accelerations).map(half_step));
-        sheet.begin();
+        sheet.begin(dt);
         state.ledger.supports -= model.held_kinetic(state);
         self.meeting.begin((2.0 / dt).powi(2) - self.stretched);
         self.watching |= !Apart::pays(count);
@@ -242,7 +241,10 @@ impl Explicit {
             let time = model.script_time(state, moment(substep + 1));
             let held = prescribed(model, time, &sheet.nodes, &mut sheet.rates, dt);
             let fastest = hands.drift(sheet, dt);
-            place(&held, &mut sheet.nodes);
+            place(&held, &mut sheet.nodes, &mut sheet.forces[vertices..]);
+            if substep + 1 == count {
+                sheet.read_slope_rates(dt);
+            }
             let kept = run.keeps(substep);
             let cloth = (&mut *sheet, &mut hands);
             self.meeting
@@ -295,7 +297,7 @@ impl Explicit {
     ) -> (Touch, f64) {
         let vertices = model.masses.len();
         let sheet = &mut self.sheet;
-        sheet.end(dt);
+        sheet.read_slope_rates(dt);
         if damped {
             let spent = model.masses.iter().zip(&sheet.spent);
             state.ledger.damping += spent.map(|(m, spent)| m * spent).sum::<f64>() * dt;
@@ -318,13 +320,4 @@ impl Explicit {
         let touch = self.meeting.touch(model, state, &self.sheet.nodes);
         (touch, self.meeting.haste())
     }
-}
-
-/// 1/m and 1/J by component, zero where prescribed, shape \[nodes\].
-pub fn inverse_masses(model: &Model, inertia: &[f64]) -> Vec<Lanes> {
-    let inverse = |(index, inertia): (&[u32; 3], &f64)| {
-        let [x, y, z] = index.map(|slot| if slot == NO_SLOT { 0.0 } else { 1.0 / inertia });
-        [x, y, z, 0.0]
-    };
-    model.dofs.index.iter().zip(inertia).map(inverse).collect()
 }

@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 use super::impulse::Taken;
 use crate::contact::layers::{Candidates, Pair};
 use crate::physics::layers::LayerLaw;
-use crate::sim::lanes::{Lanes, add, dot, lanes, scale, sub, vector};
+use crate::sim::lanes::{Lanes, ZERO, add, dot, lanes, largest, scale, sub, vector};
 use crate::sim::model::Model;
 use crate::sim::report::Work;
 
@@ -267,7 +267,7 @@ fn bound(fastest: f64, dt: f64) -> f64 {
 /// The same, with what all have in common taken off.
 fn approach(rates: &[Lanes], vertices: usize, dt: f64) -> f64 {
     let rates = &rates[..vertices];
-    let sum = rates.iter().fold([0.0; 4], |sum, rate| add(sum, *rate));
+    let sum = rates.iter().fold(ZERO, |sum, rate| add(sum, *rate));
     let mean = scale(sum, 1.0 / vertices as f64);
     let mut fastest = 0.0;
     for rate in rates {
@@ -276,10 +276,6 @@ fn approach(rates: &[Lanes], vertices: usize, dt: f64) -> f64 {
         fastest = if square > fastest { square } else { fastest };
     }
     bound(fastest.sqrt(), dt)
-}
-
-fn largest(lanes: &Lanes) -> f64 {
-    lanes[0].max(lanes[1]).max(lanes[2])
 }
 
 /// A pair as the sweep needs it.
@@ -336,7 +332,7 @@ impl<'a> Grip<'a> {
         let push = lanes(impulse);
         for (&v, w) in self.pair.nodes.iter().zip(self.pair.weights) {
             let v = v as usize;
-            let kick = std::array::from_fn(|i| push[i] * inverse_mass[v][i] * w);
+            let kick = Lanes(std::array::from_fn(|i| push[i] * inverse_mass[v][i] * w));
             rates[v] = add(rates[v], kick);
         }
     }

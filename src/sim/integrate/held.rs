@@ -1,7 +1,7 @@
 //! Moving supports in the explicit scheme: what they hold follows them, and they do work on it.
 
 use crate::sim::carry::Prescribed;
-use crate::sim::lanes::Lanes;
+use crate::sim::lanes::{Lanes, ZERO};
 use crate::sim::model::Model;
 use crate::sim::state::State;
 
@@ -26,14 +26,18 @@ pub fn prescribed(
     held
 }
 
-/// Takes rounding out of where it went.
-pub fn place(held: &[Prescribed], nodes: &mut [Lanes]) {
+/// Takes rounding out of where it went, and forgets what has acted on its slopes before.
+pub fn place(held: &[Prescribed], nodes: &mut [Lanes], impulses: &mut [Lanes]) {
+    let vertices = nodes.len() - impulses.len();
     for Prescribed {
         node, axes, value, ..
     } in held
     {
         for axis in (0..3).filter(|&axis| axes[axis]) {
             nodes[*node][axis] = value[axis];
+        }
+        if let Some(edge) = node.checked_sub(vertices) {
+            impulses[edge] = ZERO;
         }
     }
 }

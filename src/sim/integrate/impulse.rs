@@ -18,7 +18,7 @@ pub use bite::Bite;
 
 use crate::contact::{Obstacle, Spot};
 use crate::physics::contact::{ContactLaw, weighted};
-use crate::sim::lanes::{Lanes, add, lanes, vector};
+use crate::sim::lanes::{Lanes, add, lanes, largest, vector};
 use crate::sim::model::Model;
 use crate::sim::state::Ledger;
 
@@ -184,10 +184,6 @@ fn collect(
     }
 }
 
-fn largest(lanes: &Lanes) -> f64 {
-    lanes[0].max(lanes[1]).max(lanes[2])
-}
-
 impl Grip {
     /// Velocity of the point over the obstacle \[m/s\].
     #[inline]
@@ -204,7 +200,9 @@ impl Grip {
         let push = lanes(impulse);
         for k in 0..self.count {
             let v = self.vertices[k] as usize;
-            let kick = std::array::from_fn(|i| push[i] * inverse_mass[v][i] * self.weights[k]);
+            let kick = Lanes(std::array::from_fn(|i| {
+                push[i] * inverse_mass[v][i] * self.weights[k]
+            }));
             rates[v] = add(rates[v], kick);
         }
     }

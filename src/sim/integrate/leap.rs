@@ -23,31 +23,22 @@ pub fn drift(
     f64::from_bits(fastest).sqrt()
 }
 
-/// Takes the slopes from one half step over the moment between them to the next, and clears the forces.
-pub fn swing(
-    nodes: &mut [Lanes],
-    rates: &mut [Lanes],
-    forces: &mut [Lanes],
-    inverse_inertia: &[Lanes],
-    dt: f64,
-) {
-    let moving = nodes.iter_mut().zip(rates);
-    for ((x, rate), (force, inverse)) in moving.zip(forces.iter_mut().zip(inverse_inertia)) {
-        *rate = kicked(*rate, *force, inverse, dt);
-        *x = add(*x, scale(*rate, dt));
-        *force = [0.0; 4];
+/// Moves the slopes by their impulses J s' / dt \[N·m\], to which moments only need to be added.
+pub fn swing(slopes: &mut [Lanes], impulses: &[Lanes], inverse_inertia: &[f64], dt: f64) {
+    for ((s, impulse), inverse) in slopes.iter_mut().zip(impulses).zip(inverse_inertia) {
+        *s = add(*s, scale(*impulse, inverse * dt * dt));
     }
 }
 
 /// A rate after a force has acted for `dt`.
 #[inline(always)]
 pub fn kicked(rate: Lanes, force: Lanes, inverse: &Lanes, dt: f64) -> Lanes {
-    let kick = [
+    let kick = Lanes([
         force[0] * inverse[0] * dt,
         force[1] * inverse[1] * dt,
         force[2] * inverse[2] * dt,
         0.0,
-    ];
+    ]);
     add(rate, kick)
 }
 

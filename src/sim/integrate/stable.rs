@@ -13,6 +13,8 @@ use crate::sim::state::State;
 /// the stiffest mode, and a sheet without damping gains energy by resonance until it is lost (Schlick, Mandziuk,
 /// Skeel, Srinivas 1998, J. Comput. Phys. 140:1).
 pub const SAFETY: f64 = 0.85;
+/// The same over the limit with what the sheet may touch: a bound that is not met, and contacts ring for moments only.
+pub const TOUCHING: f64 = 0.95;
 /// How far the sheet may move against an obstacle before the features near it are collected anew \[m\].
 pub const MARGIN: f64 = 1e-3;
 /// Iterations of Lanczos; the limit is then good to 0.1 %.

@@ -11,14 +11,13 @@
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-use super::explicit::inverse_masses;
 use super::stable::{MARGIN, most_inertia, quickest};
 use crate::contact::Nearby;
 use crate::physics::bend::curvature_operator;
 use crate::physics::contact::weighted;
 use crate::sim::air::{Breeze, resistances};
 use crate::sim::kernel::Kernel;
-use crate::sim::lanes::{Lanes, lanes, vector};
+use crate::sim::lanes::{Lanes, ZERO, lanes, vector};
 use crate::sim::model::Model;
 use crate::sim::state::State;
 use crate::sim::touch::Touch;
@@ -64,10 +63,11 @@ impl Xpbd {
             curvature: curvature_operator(&model.mesh, f),
             bend: [Matrix3::zeros(); 3],
         };
-        let lightness = inverse_masses(model, &inertia);
+        let lightness = inertia.iter().enumerate();
+        let lightness = lightness.map(|(n, m)| model.dofs.free(n, Vector3::repeat(1.0 / m)));
         Self {
             faces: (0..model.mesh.faces.len()).map(face).collect(),
-            lightness: lightness.iter().map(vector).collect(),
+            lightness: lightness.collect(),
             kernel: Kernel::new(model),
             inertia,
             prepared: 0.0,
@@ -309,7 +309,7 @@ impl Xpbd {
         dt: f64,
     ) -> (f64, usize) {
         let nodes: Vec<Lanes> = x.iter().map(lanes).collect();
-        let mut forces = vec![[0.0; 4]; nodes.len()];
+        let mut forces = vec![ZERO; nodes.len()];
         self.kernel.add_forces(&nodes, &mut forces);
         let mut forces: Vec<_> = forces.iter().map(vector).collect();
         if let Some(law) = &model.contact {

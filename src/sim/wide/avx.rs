@@ -42,7 +42,7 @@ impl Wide for V3 {
         let avx = self.avx;
         let (a, b) = (nodes[at[0] as usize], nodes[at[1] as usize]);
         let (c, d) = (nodes[at[2] as usize], nodes[at[3] as usize]);
-        let (a, b, c, d) = (cast(a), cast(b), cast(c), cast(d));
+        let (a, b, c, d) = (cast(a.0), cast(b.0), cast(c.0), cast(d.0));
         let (xz_ab, y_ab) = (avx._mm256_unpacklo_pd(a, b), avx._mm256_unpackhi_pd(a, b));
         let (xz_cd, y_cd) = (avx._mm256_unpacklo_pd(c, d), avx._mm256_unpackhi_pd(c, d));
         [
@@ -68,9 +68,9 @@ impl Wide for V3 {
         let x3 = avx._mm256_permute2f128_pd::<0x31>(xy_13, z_13);
         let (p, q) = (at[0] as usize, at[1] as usize);
         let (r, s) = (at[2] as usize, at[3] as usize);
-        nodes[p] = cast(avx._mm256_add_pd(cast(nodes[p]), x0));
-        nodes[q] = cast(avx._mm256_add_pd(cast(nodes[q]), x1));
-        nodes[r] = cast(avx._mm256_add_pd(cast(nodes[r]), x2));
-        nodes[s] = cast(avx._mm256_add_pd(cast(nodes[s]), x3));
+        nodes[p].0 = cast(avx._mm256_add_pd(cast(nodes[p].0), x0));
+        nodes[q].0 = cast(avx._mm256_add_pd(cast(nodes[q].0), x1));
+        nodes[r].0 = cast(avx._mm256_add_pd(cast(nodes[r].0), x2));
+        nodes[s].0 = cast(avx._mm256_add_pd(cast(nodes[s].0), x3));
     }
 }

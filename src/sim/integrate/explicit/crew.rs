@@ -62,7 +62,7 @@ impl Mate {
 
     fn start(&mut self, deck: &Arc<Deck>, whole: &Portion) {
         let mut portion = self.portion.take().expect("it came back from the last run");
-        portion.load(whole);
+        portion.load(whole, deck.run.dt);
         let sent = self.orders.send((Arc::clone(deck), portion));
         sent.expect("the thread waits for orders");
     }
@@ -108,7 +108,7 @@ impl Crew {
         for mate in &mut self.others {
             mate.start(&deck, whole);
         }
-        self.mine.load(whole);
+        self.mine.load(whole, run.dt);
         let guard = deck.barrier.guard();
         let helm = Helm::new(&deck, &mut self.mine, &self.homes);
         lead(whole, helm);
@@ -135,10 +135,10 @@ fn shares(model: &Model, threads: usize) -> Vec<f64> {
 }
 
 impl Portion {
-    fn load(&mut self, whole: &Self) {
+    fn load(&mut self, whole: &Self, dt: f64) {
         let of = |all: &[Lanes]| self.names.iter().map(|&n| all[n as usize]).collect();
         (self.nodes, self.rates) = (of(&whole.nodes), of(&whole.rates));
-        self.begin();
+        self.begin(dt);
     }
 
     fn unload(&self, whole: &mut Self) {

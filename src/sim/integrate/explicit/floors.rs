@@ -43,7 +43,7 @@ impl Floors {
             counts[v as usize] += 1;
         }
         let is_alone = |&v: &u32| {
-            let [x, y, z, _] = inverse_mass[v as usize];
+            let [x, y, z, _] = inverse_mass[v as usize].0;
             counts[v as usize] == 1 && x == y && y == z
         };
         let mut shared = vec![vec![]; nearby.len()];

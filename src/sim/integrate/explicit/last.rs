@@ -9,7 +9,7 @@ use super::in_air::kick_in_air;
 use crate::contact::Proximity;
 use crate::contact::layers::Pair;
 use crate::sim::air::Breeze;
-use crate::sim::lanes::{Lanes, add, lanes, scale};
+use crate::sim::lanes::{Lanes, ZERO, add, lanes, scale};
 use crate::sim::layers::LayerTouch;
 use crate::sim::model::Model;
 use crate::sim::state::State;
@@ -35,7 +35,7 @@ impl Explicit {
     ) -> Loads {
         let nodes: Vec<Lanes> = state.nodes().iter().map(lanes).collect();
         let past = &state.history.accelerations;
-        let accelerations = past.iter().map(lanes).chain(std::iter::repeat([0.0; 4]));
+        let accelerations = past.iter().map(lanes).chain(std::iter::repeat(ZERO));
         let mut rates: Vec<Lanes> = (state.velocities.iter())
             .zip(accelerations)
             .map(|(v, a)| add(lanes(v), scale(a, -0.5 * dt)))
@@ -75,7 +75,7 @@ impl Explicit {
         (touch, pairs): (&Touch, &[Pair]),
     ) -> Vec<Lanes> {
         let mut forces = self.sheet.weight.clone();
-        forces.resize(nodes.len(), [0.0; 4]);
+        forces.resize(nodes.len(), ZERO);
         self.sheet.kernel.add_forces(nodes, &mut forces);
         let mut pushes = vec![];
         if let Some(law) = &model.contact {

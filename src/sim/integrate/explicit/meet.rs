@@ -8,7 +8,6 @@ use super::super::impulse::{self, Grip, Taken};
 use super::super::stable::{MARGIN, quickest, rate_of};
 use super::floors::Floors;
 use super::hands::Hands;
-use super::inverse_masses;
 use super::portion::Portion;
 use crate::contact::{FAR, Nearby, Obstacle, Pose, Search, Side, Spot};
 use crate::physics::contact::{ContactLaw, weighted};
@@ -360,10 +359,10 @@ impl Meeting {
 /// Contact in a substep of `dt` in which nothing moves far, once more each time.
 pub fn meet_once<'a>(model: &'a Model, state: &State, dt: f64) -> impl FnMut() + use<'a> {
     let mut state = state.clone();
-    let mut sheet = Portion::whole(model, &state.nodes(), inverse_masses(model, &model.masses));
+    let mut sheet = Portion::whole(model, &state.nodes(), &[]);
     sheet.nodes = state.positions.iter().map(lanes).collect();
     sheet.rates = state.velocities.iter().map(lanes).collect();
-    sheet.begin();
+    sheet.begin(dt);
     let mut meeting = Meeting::new(sheet.nodes.len());
     let motion = (model.script_time(&state, 0.0), 0.0, dt);
     let mut once = move || {

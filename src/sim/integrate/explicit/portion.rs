@@ -5,9 +5,10 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::super::leap::{self, kicked};
+use crate::math::sparse::NO_SLOT;
 use crate::physics::Potential;
 use crate::sim::kernel::{Kernel, along, order};
-use crate::sim::lanes::{Lanes, dot, lanes};
+use crate::sim::lanes::{Lanes, ZERO, dot, lanes, scale};
 use crate::sim::model::Model;
 
 /// The nodes that one thread moves, and copies of those of others that its faces reach.
@@ -16,8 +17,10 @@ use crate::sim::model::Model;
 #[derive(Default)]
 pub struct Portion {
     pub kernel: Kernel,
-    /// 1/m and 1/J by component, zero where prescribed, shape \[nodes\].
+    /// 1/m by component, zero where prescribed \[1/kg\], shape \[vertices\].
     pub inverse_mass: Vec<Lanes>,
+    /// 1/J, zero where prescribed \[1/(kg·m²)\], shape \[own slopes\].
+    pub inverse_inertia: Vec<f64>,
     /// mu A / m \[1/s\], shape \[own vertices\].
     pub drag: Vec<f64>,
     /// m g \[N\], shape \[own vertices\].
@@ -31,10 +34,12 @@ pub struct Portion {
     pub lent: Vec<u32>,
     /// Copied nodes: which, of which portion, and where among what that one lends.
     pub copies: Vec<(u32, u32, u32)>,
-    /// Positions \[m\] and slopes, and their rates in the half step before.
+    /// Positions \[m\] and slopes, and their rates in the half step before: those of the slopes only where a run of
+    /// substeps begins and ends.
     pub nodes: Vec<Lanes>,
     pub rates: Vec<Lanes>,
-    /// On own nodes since they moved last; what stands at copies means nothing \[N, N·m\].
+    /// On own vertices since they moved last \[N\]; the impulses of own slopes over the substep, to which moments are
+    /// added \[N·m\]. What stands at copies means nothing.
     pub forces: Vec<Lanes>,
     /// Rates in the half step before the last.
     pub before_last: Vec<Lanes>,
@@ -44,14 +49,15 @@ pub struct Portion {
 }
 
 impl Portion {
-    /// The whole sheet at `nodes` (positions, then slopes), with 1/m and 1/J by component.
-    pub fn whole(model: &Model, nodes: &[Vector3<f64>], inverse_mass: Vec<Lanes>) -> Self {
+    /// The whole sheet at `nodes` (positions, then slopes), with the inertia of the slopes \[kg·m²\].
+    pub fn whole(model: &Model, nodes: &[Vector3<f64>], inertia: &[f64]) -> Self {
         let vertices = model.masses.len();
         let drag = model.damping.coefficients.iter().zip(&model.masses);
         let weight = |v: usize| lanes(&-model.gravity.gradient(v, &[nodes[v]])[0]);
         Self {
             kernel: Kernel::new(model),
-            inverse_mass,
+            inverse_mass: inverse_masses(model),
+            inverse_inertia: inverse_inertia(model, inertia),
             drag: drag.map(|(c, m)| c / m).collect(),
             weight: (0..vertices).map(weight).collect(),
             names: (0..nodes.len() as u32).collect(),
@@ -61,26 +67,26 @@ impl Portion {
         }
     }
 
-    /// Clears what a run of substeps before has left, once nodes and rates are set.
-    pub fn begin(&mut self) {
+    /// Clears what a run of substeps of `dt` before has left, once nodes and rates are set.
+    pub fn begin(&mut self, dt: f64) {
         self.forces.clear();
-        self.forces.resize(self.nodes.len(), [0.0; 4]);
+        self.forces.resize(self.nodes.len(), ZERO);
+        for (n, inverse) in self.slopes.clone().zip(&self.inverse_inertia) {
+            if *inverse > 0.0 {
+                self.forces[n] = scale(self.rates[n], 1.0 / (inverse * dt));
+            }
+        }
         for spent in [&mut self.spent, &mut self.spends] {
             spent.clear();
             spent.resize(self.vertices.len(), 0.0);
         }
     }
 
-    /// Moves the slopes on, which feel their own bending only, so they are kicked when they move.
+    /// Moves the slopes on.
     pub fn swing(&mut self, dt: f64) {
         let own = self.slopes.clone();
-        leap::swing(
-            &mut self.nodes[own.clone()],
-            &mut self.rates[own.clone()],
-            &mut self.forces[own.clone()],
-            &self.inverse_mass[own],
-            dt,
-        );
+        let (slopes, impulses) = (&mut self.nodes[own.clone()], &self.forces[own]);
+        leap::swing(slopes, impulses, &self.inverse_inertia, dt);
     }
 
     /// Moves the vertices on; their largest speed \[m/s\].
@@ -93,6 +99,13 @@ impl Portion {
     /// Adds the elastic forces where the nodes are.
     pub fn pull(&mut self) {
         self.kernel.add_forces(&self.nodes, &mut self.forces);
+    }
+
+    /// Says how fast slopes are by their impulses over a substep of `dt`.
+    pub fn read_slope_rates(&mut self, dt: f64) {
+        for (n, inverse) in self.slopes.clone().zip(&self.inverse_inertia) {
+            self.rates[n] = scale(self.forces[n], inverse * dt);
+        }
     }
 
     /// Keeps the rates as they are before the last kick.
@@ -121,13 +134,6 @@ impl Portion {
     pub fn spend(&mut self) {
         let both = self.spent.iter_mut().zip(&self.spends);
         both.for_each(|(spent, spends)| *spent += spends);
-    }
-
-    /// Takes the rates of the slopes to the half step after the last.
-    pub fn end(&mut self, dt: f64) {
-        for n in self.slopes.clone() {
-            self.rates[n] = kicked(self.rates[n], self.forces[n], &self.inverse_mass[n], dt);
-        }
     }
 
     /// Cuts the whole sheet across into portions of about such shares of its nodes.
@@ -168,9 +174,13 @@ impl Portion {
         let of_vertices = || names[own_vertices.clone()].iter().map(|&v| v as usize);
         Self {
             kernel: Kernel::of(model, &faces, |node| local[node as usize]),
-            inverse_mass: names
+            inverse_mass: names[..first]
                 .iter()
-                .map(|&n| self.inverse_mass[n as usize])
+                .map(|&v| self.inverse_mass[v as usize])
+                .collect(),
+            inverse_inertia: names[own_slopes.clone()]
+                .iter()
+                .map(|&n| self.inverse_inertia[(n - vertices) as usize])
                 .collect(),
             drag: of_vertices().map(|v| self.drag[v]).collect(),
             weight: of_vertices().map(|v| self.weight[v]).collect(),
@@ -180,6 +190,31 @@ impl Portion {
             ..Self::default()
         }
     }
+}
+
+/// 1/m by component, zero where prescribed, shape \[vertices\].
+fn inverse_masses(model: &Model) -> Vec<Lanes> {
+    let inverse = |(index, mass): (&[u32; 3], &f64)| {
+        let [x, y, z] = index.map(|slot| if slot == NO_SLOT { 0.0 } else { 1.0 / mass });
+        Lanes([x, y, z, 0.0])
+    };
+    model
+        .dofs
+        .index
+        .iter()
+        .zip(&model.masses)
+        .map(inverse)
+        .collect()
+}
+
+/// 1/J, zero where prescribed, which a slope is whole or not at all, shape \[slopes\].
+fn inverse_inertia(model: &Model, inertia: &[f64]) -> Vec<f64> {
+    let slopes = &model.dofs.index[model.masses.len()..];
+    let inverse = |(index, inertia): (&[u32; 3], &f64)| match index[0] {
+        NO_SLOT => 0.0,
+        _ => 1.0 / inertia,
+    };
+    slopes.iter().zip(inertia).map(inverse).collect()
 }
 
 /// Whose each node is: portions follow each other along the sheet.

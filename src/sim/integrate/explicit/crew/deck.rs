@@ -51,7 +51,7 @@ pub struct Near {
     pub at: Vec<u32>,
     pub forces: Vec<[f64; 3]>,
     /// With what damping took out in the fourth place.
-    pub rates: Vec<Lanes>,
+    pub rates: Vec<[f64; 4]>,
 }
 
 /// What the threads share in a run.
@@ -137,6 +137,9 @@ impl Deck {
                 portion.nodes[at as usize] = lent[place as usize];
             }
         }
+        if substep + 1 == self.run.count {
+            portion.read_slope_rates(self.run.dt);
+        }
         portion.pull();
     }
 }
@@ -162,7 +165,7 @@ impl Board {
         let near = lock(&self.near);
         for (&at, rate) in near.at.iter().zip(&near.rates) {
             let [x, y, z, spends] = *rate;
-            portion.rates[at as usize] = [x, y, z, 0.0];
+            portion.rates[at as usize] = four(&[x, y, z]);
             portion.spends[at as usize] = spends;
         }
     }
@@ -177,5 +180,5 @@ pub fn three(lanes: &Lanes) -> [f64; 3] {
 }
 
 pub fn four(three: &[f64; 3]) -> Lanes {
-    [three[0], three[1], three[2], 0.0]
+    Lanes([three[0], three[1], three[2], 0.0])
 }

@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering;
 
 use super::super::super::leap::{kicked, slowed};
 use super::super::portion::Portion;
-use super::deck::{Board, Deck, Run, four, lock};
+use super::deck::{Board, Deck, Run, four, lock, three};
 use crate::sim::lanes::{add, dot, scale};
 
 /// The first thread's way to the others.
@@ -140,7 +140,7 @@ impl<'a> Helm<'a> {
     fn hand_out(&mut self, whole: &Portion) {
         for (board, near) in self.deck.boards.iter().zip(&self.near).skip(1) {
             let rates = near.iter().map(|&(v, _)| {
-                let [x, y, z, _] = whole.rates[v as usize];
+                let [x, y, z] = three(&whole.rates[v as usize]);
                 [x, y, z, whole.spends[v as usize]]
             });
             let near = &mut *lock(&board.near);
