@@ -10,9 +10,11 @@ const FORMAL_ORDER: f64 = 2.0;
 const LOWEST_ORDER: f64 = 0.5;
 /// Highest order with which differences are believed to fall: that of what coarse triangles lock.
 const HIGHEST_ORDER: f64 = 4.0;
-/// Roache's factors of safety: where the order was measured, and where it was assumed.
-const MEASURED: f64 = 1.25;
-const ASSUMED: f64 = 3.0;
+/// Order where meshes do not come together regularly: between those that are measured, 0.5 to 1.5, where sheets fold.
+pub const IRREGULAR_ORDER: f64 = 1.0;
+/// Roache's factors of safety: with three meshes, and with two.
+const OF_THREE: f64 = 1.25;
+const OF_TWO: f64 = 3.0;
 
 /// What was read on a mesh.
 #[derive(Clone, Copy, Debug)]
@@ -45,20 +47,30 @@ impl MeshError {
         let [.., coarse, fine] = meshes else {
             return None;
         };
-        let mut change = apart(coarse.readings, fine.readings);
-        if let [.., coarsest, _, _] = meshes {
-            let sizes = [coarsest.size(), coarse.size(), fine.size()];
-            let before = apart(coarsest.readings, coarse.readings) * largest(coarse.readings);
-            // Two meshes that agree much better than those before them do so by chance.
-            let least = before / fall(sizes, HIGHEST_ORDER);
-            change = change.max(least / largest(fine.readings));
-        }
+        let change = apart(coarse.readings, fine.readings);
+        let left = |from: &OnMesh, order: f64| remainder([from.size(), fine.size()], order);
+        let [.., coarsest, _, _] = meshes else {
+            return Some(Self {
+                error: OF_TWO * change * left(coarse, FORMAL_ORDER),
+                order: None,
+            });
+        };
+        let sizes = [coarsest.size(), coarse.size(), fine.size()];
+        let before = apart(coarsest.readings, coarse.readings) * largest(coarse.readings);
+        // Two meshes that agree much better than those before them do so by chance.
+        let least = before / fall(sizes, HIGHEST_ORDER) / largest(fine.readings);
+        let change = change.max(least);
         let order = order(meshes);
-        let safety = order.map_or(ASSUMED, |_| MEASURED);
-        let order_used = order.unwrap_or(FORMAL_ORDER);
-        let left = remainder([coarse.size(), fine.size()], order_used);
+        let error = match order {
+            Some(order) => change * left(coarse, order),
+            // Neighbouring meshes then differ by chance as much as by their size: looked at is what both changed.
+            None => {
+                let both = apart(coarsest.readings, fine.readings);
+                change.max(both * left(coarsest, IRREGULAR_ORDER))
+            }
+        };
         Some(Self {
-            error: safety * change * left,
+            error: OF_THREE * error,
             order,
         })
     }

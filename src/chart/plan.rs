@@ -61,8 +61,8 @@ pub enum PlanError {
     /// The mesh would have to be finer than is tried.
     #[error(
         "no mesh that runs in {budget} CPU seconds is within {tolerance}: {triangles} triangles are {:.1} % off by their \
-         own estimate in {cpu:.1} s, and half of that takes twice as many; try a wider --tolerance, a shorter --duration \
-         or a larger --budget", 1e2 * estimate
+         own estimate in {cpu:.1} s, and at order {order:.1} it would take {:.1e} triangles and {:.0e} s; try a wider \
+         --tolerance, a shorter --duration or a larger --budget", 1e2 * estimate, *triangles as f64 * finer, cpu * dearer
     )]
     TooFine {
         /// What a run may cost \[CPU-s\].
@@ -75,6 +75,12 @@ pub enum PlanError {
         tolerance: Tolerance,
         /// Estimated error of the finest mesh \[-\].
         estimate: f64,
+        /// Order with which it falls, measured or assumed.
+        order: f64,
+        /// Triangles of a mesh that is fine enough, if it goes on like that, over those of the finest \[-\].
+        finer: f64,
+        /// Its cost over that of the finest \[-\].
+        dearer: f64,
     },
     /// What is observed depends on the step more than it may.
     #[error(

@@ -1,7 +1,7 @@
 //! The mesh of a plan: refined with the explicit scheme at its limit until its error is small enough.
 
 use super::course::CpuClock;
-use super::mesh_error::{MeshError, OnMesh};
+use super::mesh_error::{IRREGULAR_ORDER, MeshError, OnMesh};
 use super::plan::{Ended, PlanError, Tolerance, Tried, at, moment, run};
 use crate::scene::{Method, Scene, Scheme};
 
@@ -106,13 +106,21 @@ fn last_resort(
 ) -> Result<(Vec<Level>, MeshError), PlanError> {
     match error_of(&levels) {
         Some(error) if error.error <= ALONE * tolerance.0 => Ok((levels, error)),
-        error => Err(PlanError::TooFine {
-            budget,
-            triangles: levels.last().map_or(0, |level| level.tried.triangles),
-            cpu: levels.last().map_or(0.0, |level| level.tried.cpu),
-            tolerance,
-            estimate: error.map_or(f64::INFINITY, |e| e.error),
-        }),
+        error => {
+            let estimate = error.map_or(f64::INFINITY, |e| e.error);
+            let order = error.and_then(|e| e.order).unwrap_or(IRREGULAR_ORDER);
+            let finer = (estimate / (SPACE * tolerance.0)).powf(2.0 / order);
+            Err(PlanError::TooFine {
+                budget,
+                triangles: levels.last().map_or(0, |level| level.tried.triangles),
+                cpu: levels.last().map_or(0.0, |level| level.tried.cpu),
+                tolerance,
+                estimate,
+                order,
+                finer,
+                dearer: finer.powf(DEARER),
+            })
+        }
     }
 }
 

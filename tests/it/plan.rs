@@ -121,7 +121,24 @@ fn what_cannot_be_planned_is_told() {
     assert!(matches!(refused, Err(PlanError::NoTime(_))));
     let fine = built_in("strip-release", &["sheet.triangles=60", "duration=0.05"]);
     let refused = plan(&fine, (Tolerance(1e-5), 1.0), &mut clock(), &mut silent).unwrap_err();
-    assert!(matches!(refused, PlanError::TooFine { .. }), "{refused}");
+    let PlanError::TooFine { finer, dearer, .. } = refused else {
+        panic!("{refused}");
+    };
+    assert!(1.0 < finer && finer < dearer, "{refused}");
+    // A large sheet sinks in something thick: all meshes agree, and its substep is as long as the sinking takes to set in.
+    let set = [
+        "damping=100",
+        "duration=0.05",
+        "sheet.triangles=60",
+        "sheet.outline.length=5",
+        "sheet.outline.width=5",
+    ];
+    let sinks = built_in("free-fall", &set);
+    let refused = plan(&sinks, (Tolerance(1e-5), 60.0), &mut clock(), &mut silent).unwrap_err();
+    let PlanError::TooSensitive { space, time, .. } = refused else {
+        panic!("{refused}");
+    };
+    assert!(space < 1e-6 && 1e-3 < time && time < 1e-2, "{refused}");
 }
 
 #[test]
