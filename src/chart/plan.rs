@@ -4,11 +4,11 @@
 //! order with which that is seen to fall. Half the substep there is the truth in time of that mesh, and tells the error of
 //! the limit, which is small unless the sheet whips. Every implicit method is tried against it, from long steps to short,
 //! while it is cheaper than the best so far; first on a mesh of a quarter of the triangles, where one that is far dearer
-//! is left.
+//! is left. Where each step ends at rest, there is only the mesh to choose, and only the end is looked at.
 
 use super::course::CpuClock;
-use super::mesh_error::{apart, error_of_change};
-use super::plan_meshes::{Level, meshes};
+use super::mesh_error::{MeshError, apart, error_of_change};
+use super::plan_meshes::{Level, is_at_rest, meshes, on_mesh};
 use crate::scene::{Method, Scene, Scheme, Solver};
 use crate::sim::{Simulation, Work};
 
@@ -53,11 +53,6 @@ pub enum PlanError {
     /// Nothing to hold to the tolerance.
     #[error("scene `{0}` observes nothing; give it an [observe.NAME]")]
     NothingObserved(String),
-    /// It has no time.
-    #[error(
-        "scene `{0}` looks for an equilibrium, which has no step to plan; plan its transient with --set method.scheme=bdf2"
-    )]
-    NoTime(String),
     /// The mesh would have to be finer than is tried.
     #[error(
         "no mesh that runs in {budget} CPU seconds is within {tolerance}: {triangles} triangles are {:.1} % off by their \
@@ -163,6 +158,9 @@ pub fn plan(
     tell: &mut dyn FnMut(&str),
 ) -> Result<Plan, PlanError> {
     let (mut levels, error) = meshes(scene, (tolerance, budget), cpu, tell)?;
+    if is_at_rest(scene) {
+        return Ok(at_rest(scene, levels, error));
+    }
     let (finest, space) = (levels.len() - 1, error.error);
     let mut methods = explicit(scene, &mut levels[finest], cpu, tell)?;
     let limit = levels[finest].tried.dt;
@@ -211,6 +209,20 @@ pub fn plan(
         meshes: levels.into_iter().map(|level| level.tried).collect(),
         methods,
     })
+}
+
+/// The last of some meshes on which a scene came to rest.
+fn at_rest(scene: &Scene, levels: Vec<Level>, error: MeshError) -> Plan {
+    let meshes: Vec<Tried> = levels.into_iter().map(|level| level.tried).collect();
+    let chosen = meshes[meshes.len() - 1].clone();
+    Plan {
+        scene: on_mesh(scene, chosen.triangles),
+        chosen,
+        errors: [error.error, 0.0],
+        order: error.order,
+        meshes,
+        methods: vec![],
+    }
 }
 
 /// The explicit scheme on a mesh at its limit and at half of it, with their errors by their difference at second order;
@@ -297,13 +309,11 @@ pub(super) fn moment(scene: &Scene) -> f64 {
 
 /// A scene with another method, step and mesh, its outputs on its steps.
 pub(super) fn at(scene: &Scene, method: Method, dt: f64, triangles: usize) -> Scene {
-    let mut scene = scene.clone();
+    let mut scene = on_mesh(scene, triangles);
     scene.method = scene.method.with(method);
     scene.method.dt = dt;
     scene.method.substep = None;
     scene.method.step_tolerance = None;
-    scene.sheet.triangles = Some(triangles);
-    scene.sheet.edge = None;
     scene.output.rate = scene.output.rate.min(1.0 / dt);
     scene
 }
@@ -312,7 +322,11 @@ pub(super) fn at(scene: &Scene, method: Method, dt: f64, triangles: usize) -> Sc
 pub(super) fn run(scene: &Scene, most: f64, cpu: &mut CpuClock) -> Result<Seen, Ended> {
     let died = |message: String| Ended::Died(message);
     let mut simulation = Simulation::new(scene, 1).map_err(|refused| died(refused.to_string()))?;
-    let between = (moment(scene) / scene.method.dt).round() as u64;
+    let (moments, apart) = match is_at_rest(scene) {
+        true => (1, scene.duration),
+        false => (u64::from(MOMENTS), moment(scene)),
+    };
+    let between = (apart / scene.method.dt).round().max(1.0) as u64;
     let start = cpu();
     let mut seen = Seen {
         readings: vec![],
@@ -321,7 +335,7 @@ pub(super) fn run(scene: &Scene, most: f64, cpu: &mut CpuClock) -> Result<Seen, 
         substep: simulation.substep(),
         faces: simulation.model().mesh.faces.len(),
     };
-    for step in 1..=u64::from(MOMENTS) * between {
+    for step in 1..=moments * between {
         let report = simulation
             .step()
             .map_err(|diverged| died(diverged.to_string()))?;
@@ -361,12 +375,11 @@ pub struct SecondLook {
 /// A run died.
 pub fn check(plan: &Plan, cpu: &mut CpuClock) -> Result<SecondLook, PlanError> {
     let (chosen, scene) = (&plan.chosen, &plan.scene);
-    let finer = at(
-        scene,
-        chosen.method,
-        0.5 * scene.method.dt,
-        2 * chosen.triangles,
-    );
+    let twice = 2 * chosen.triangles;
+    let finer = match is_at_rest(scene) {
+        true => on_mesh(scene, twice),
+        false => at(scene, chosen.method, 0.5 * scene.method.dt, twice),
+    };
     let (ours, theirs) = (run_to_end(scene, cpu)?, run_to_end(&finer, cpu)?);
     let change = apart(&ours.readings, &theirs.readings);
     let times = theirs.faces as f64 / ours.faces as f64;

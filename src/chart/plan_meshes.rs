@@ -1,4 +1,4 @@
-//! The mesh of a plan: refined with the explicit scheme at its limit until its error is small enough.
+//! The mesh of a plan: refined with the explicit scheme at its limit, or at rest, until its error is small enough.
 
 use super::course::CpuClock;
 use super::mesh_error::{IRREGULAR_ORDER, MeshError, OnMesh};
@@ -38,9 +38,6 @@ pub(super) fn meshes(
     if scene.observe.is_empty() {
         return Err(PlanError::NothingObserved(scene.name.clone()));
     }
-    if scene.method.scheme == Scheme::Equilibrium {
-        return Err(PlanError::NoTime(scene.name.clone()));
-    }
     let asked = triangles(scene).max(4 * FEWEST);
     let mut levels: Vec<Level> = vec![];
     let mut count = (asked / FIRST).max(FEWEST);
@@ -72,14 +69,33 @@ pub(super) fn meshes(
     }
 }
 
-/// Runs the explicit scheme on a mesh.
+/// Whether each step of a scene ends at rest.
+pub(super) fn is_at_rest(scene: &Scene) -> bool {
+    scene.method.scheme == Scheme::Equilibrium
+}
+
+/// A scene on another mesh.
+pub(super) fn on_mesh(scene: &Scene, triangles: usize) -> Scene {
+    let mut scene = scene.clone();
+    scene.sheet.triangles = Some(triangles);
+    scene.sheet.edge = None;
+    scene
+}
+
+/// Runs the explicit scheme on a mesh, or comes to rest on it.
 fn level(scene: &Scene, count: usize, budget: f64, cpu: &mut CpuClock) -> Result<Level, Ended> {
-    let method = Method::from(Scheme::CentralDifference);
-    let seen = run(&at(scene, method, moment(scene), count), budget, cpu)?;
+    let (method, scene) = match is_at_rest(scene) {
+        true => (Method::from(Scheme::Equilibrium), on_mesh(scene, count)),
+        false => {
+            let explicit = Method::from(Scheme::CentralDifference);
+            (explicit, at(scene, explicit, moment(scene), count))
+        }
+    };
+    let seen = run(&scene, budget, cpu)?;
     Ok(Level {
         tried: Tried {
             method,
-            dt: seen.substep.unwrap_or_default(),
+            dt: seen.substep.unwrap_or(scene.method.dt),
             triangles: count,
             cpu: seen.cpu,
             work: seen.work,
@@ -110,6 +126,7 @@ fn last_resort(
             let estimate = error.map_or(f64::INFINITY, |e| e.error);
             let order = error.and_then(|e| e.order).unwrap_or(IRREGULAR_ORDER);
             let finer = (estimate / (SPACE * tolerance.0)).powf(2.0 / order);
+            let finer = finer.max(TIMES as f64);
             Err(PlanError::TooFine {
                 budget,
                 triangles: levels.last().map_or(0, |level| level.tried.triangles),

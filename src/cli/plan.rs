@@ -65,7 +65,7 @@ pub(super) fn find(scene: &Scene, within: (Tolerance, f64)) -> Result<Plan, CliE
 
 pub(super) fn failed(error: PlanError) -> CliError {
     match error {
-        PlanError::NothingObserved(_) | PlanError::NoTime(_) => CliError::Input(error.to_string()),
+        PlanError::NothingObserved(_) => CliError::Input(error.to_string()),
         PlanError::TooFine { .. } | PlanError::TooSensitive { .. } | PlanError::Died(_) => {
             CliError::Measure(error.to_string())
         }
@@ -87,9 +87,10 @@ pub(super) fn text(plan: &Plan, tolerance: Tolerance) -> String {
     let falls = plan.order.map_or(String::new(), |order| {
         format!(" (order {} in the edge length)", significant(order, 2))
     });
+    let rests = plan.methods.is_empty();
     let mut text = format!(
         "{} within {tolerance}: {} triangles, {} at {}, {} of CPU time\n  estimated error {} by the mesh{falls}, {} by the \
-         step\n\nmeshes, each with central-difference at its limit\n",
+         step\n\nmeshes, each {}\n",
         plan.scene.name,
         chosen.triangles,
         chosen.method.name(),
@@ -97,6 +98,11 @@ pub(super) fn text(plan: &Plan, tolerance: Tolerance) -> String {
         seconds(chosen.cpu),
         percent(space),
         percent(time),
+        if rests {
+            "at rest"
+        } else {
+            "with central-difference at its limit"
+        },
     );
     let rows = plan.meshes.iter().map(|t| {
         let error = t.error.map_or("not known yet".to_string(), percent);
@@ -107,7 +113,9 @@ pub(super) fn text(plan: &Plan, tolerance: Tolerance) -> String {
         ]
     });
     text += &table(&rows.collect::<Vec<_>>());
-    text += "\nmethods, each at the longest step that holds\n";
+    if !rests {
+        text += "\nmethods, each at the longest step that holds\n";
+    }
     let rows = plan.methods.iter().map(|t| {
         let error = match t.error {
             Some(error) if error + space <= tolerance.0 => percent(error),
