@@ -46,7 +46,7 @@ pub fn largest(v: &Lanes) -> f64 {
 
 /// Lane by lane.
 #[inline(always)]
-fn each(of: impl Fn(usize) -> f64) -> Lanes {
+pub fn each(of: impl Fn(usize) -> f64) -> Lanes {
     Lanes([of(0), of(1), of(2), of(3)])
 }
 

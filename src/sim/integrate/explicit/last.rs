@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::super::leap::kick;
+use super::super::leap::slow;
 use super::super::{folds, impulse};
 use super::Explicit;
 use super::in_air::kick_in_air;
@@ -43,7 +43,7 @@ impl Explicit {
         let forces = self.forces(model, state, &nodes, (touch, pairs));
         let (masses, drag) = (&self.sheet.inverse_mass, &self.sheet.drag);
         match Breeze::of(model, state) {
-            None => kick(&mut rates, &forces, masses, drag, dt),
+            None => slow(&mut rates, &forces, masses, drag, dt),
             Some(breeze) => {
                 kick_in_air(
                     &breeze.at(0.0),

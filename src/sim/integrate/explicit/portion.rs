@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::super::leap::{self, kicked};
+use super::super::leap;
 use crate::math::sparse::NO_SLOT;
 use crate::physics::Potential;
 use crate::sim::kernel::{Kernel, along, order};
@@ -119,12 +119,9 @@ impl Portion {
         let rates = &mut self.rates[own.clone()];
         let (forces, inverse) = (&self.forces[own.clone()], &self.inverse_mass[own]);
         if !damped {
-            for ((rate, force), inverse) in rates.iter_mut().zip(forces).zip(inverse) {
-                *rate = kicked(*rate, *force, inverse, dt);
-            }
-            return;
+            return leap::kick(rates, forces, inverse, dt);
         }
-        leap::kick(rates, forces, inverse, &self.drag, dt);
+        leap::slow(rates, forces, inverse, &self.drag, dt);
         for ((spends, rate), drag) in self.spends.iter_mut().zip(rates).zip(&self.drag) {
             *spends = drag * dot(*rate, *rate);
         }
