@@ -217,7 +217,8 @@ fn gradients<const N: usize>(term: &impl Potential<N>, nodes: &[Vector3<f64>]) {
     }
 }
 
-/// Largest stable step of the explicit scheme on a model at its start, where it touches nothing: 2 over its largest angular frequency \[s\].
+/// Largest stable step of the explicit scheme on a model at its start, where it touches nothing: 2 over its largest angular
+/// frequency \[s\].
 pub fn stable_limit(model: &Model) -> f64 {
     super::integrate::explicit::Explicit::new(model, &model.start(), 1).limit()
 }
