@@ -2,8 +2,7 @@
 
 use nalgebra::{Vector2, Vector3};
 
-use crate::sheet::Mesh;
-use crate::sim::{Simulation, StepReport};
+use crate::sim::{Probe, Simulation, StepReport};
 
 /// CPU time of this process \[s\].
 pub type CpuClock<'a> = dyn FnMut() -> f64 + 'a;
@@ -53,7 +52,7 @@ impl Course {
         (cpu, budget): (&mut CpuClock, f64),
         watch: &mut Watch,
     ) -> Self {
-        let probe = Probe::new(&simulation.model().mesh, points);
+        let probe = Probe::at(&simulation.model().mesh, points);
         let origin = probe.read(&simulation.state().positions);
         let mut course = Self {
             triangles: simulation.model().mesh.faces.len(),
@@ -101,36 +100,4 @@ impl Course {
         self.sum.work += report.work;
         self.starved += u64::from(!report.converged);
     }
-}
-
-/// Reads the mean position of some points of the sheet: weights over the vertices of their faces.
-struct Probe {
-    weights: Vec<(usize, f64)>,
-}
-
-impl Probe {
-    fn new(mesh: &Mesh, points: &[Vector2<f64>]) -> Self {
-        let share = 1.0 / points.len() as f64;
-        let mut weights = vec![];
-        for point in points {
-            let found = mesh.faces.iter().map(|f| (f, barycentric(mesh, f, point)));
-            let least = |w: &[f64; 3]| w.iter().copied().fold(f64::INFINITY, f64::min);
-            let best = found.max_by(|(_, a), (_, b)| least(a).total_cmp(&least(b)));
-            if let Some((face, w)) = best {
-                weights.extend((0..3).map(|k| (face[k] as usize, w[k] * share)));
-            }
-        }
-        Self { weights }
-    }
-
-    fn read(&self, positions: &[Vector3<f64>]) -> Vector3<f64> {
-        self.weights.iter().map(|(v, w)| positions[*v] * *w).sum()
-    }
-}
-
-fn barycentric(mesh: &Mesh, face: &[u32; 3], p: &Vector2<f64>) -> [f64; 3] {
-    let [a, b, c] = face.map(|v| mesh.outline[v as usize]);
-    let area = (b - a).perp(&(c - a));
-    let (u, v) = ((c - b).perp(&(p - b)) / area, (a - c).perp(&(p - c)) / area);
-    [u, v, 1.0 - u - v]
 }

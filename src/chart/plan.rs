@@ -4,11 +4,12 @@
 //! order with which that is seen to fall. Half the substep there is the truth in time of that mesh, and tells the error of
 //! the limit, which is small unless the sheet whips. Every implicit method is tried against it, from long steps to short,
 //! while it is cheaper than the best so far; first on a mesh of a quarter of the triangles, where one that is far dearer
-//! is left. Where each step ends at rest, there is only the mesh to choose, and only the end is looked at.
+//! is left. Where each step ends at rest, there is only the mesh to choose, only the end is looked at, and every mesh goes on
+//! from the shape on the one before: else each might take other folds.
 
 use super::course::CpuClock;
 use super::mesh_error::{MeshError, apart, error_of_change};
-use super::plan_meshes::{Level, is_at_rest, meshes, on_mesh};
+use super::plan_meshes::{Level, is_at_rest, meshes, nested};
 use crate::scene::{Method, Scene, Scheme, Solver};
 use crate::sim::{Simulation, Work};
 
@@ -157,10 +158,12 @@ pub fn plan(
     cpu: &mut CpuClock,
     tell: &mut dyn FnMut(&str),
 ) -> Result<Plan, PlanError> {
-    let (mut levels, error) = meshes(scene, (tolerance, budget), cpu, tell)?;
     if is_at_rest(scene) {
-        return Ok(at_rest(scene, levels, error));
+        let scene = nested(scene);
+        let (levels, error) = meshes(&scene, (tolerance, budget), cpu, tell)?;
+        return Ok(at_rest(&scene, levels, error));
     }
+    let (mut levels, error) = meshes(scene, (tolerance, budget), cpu, tell)?;
     let (finest, space) = (levels.len() - 1, error.error);
     let mut methods = explicit(scene, &mut levels[finest], cpu, tell)?;
     let limit = levels[finest].tried.dt;
@@ -216,7 +219,7 @@ fn at_rest(scene: &Scene, levels: Vec<Level>, error: MeshError) -> Plan {
     let meshes: Vec<Tried> = levels.into_iter().map(|level| level.tried).collect();
     let chosen = meshes[meshes.len() - 1].clone();
     Plan {
-        scene: on_mesh(scene, chosen.triangles),
+        scene: scene.on_mesh(chosen.triangles),
         chosen,
         errors: [error.error, 0.0],
         order: error.order,
@@ -309,7 +312,7 @@ pub(super) fn moment(scene: &Scene) -> f64 {
 
 /// A scene with another method, step and mesh, its outputs on its steps.
 pub(super) fn at(scene: &Scene, method: Method, dt: f64, triangles: usize) -> Scene {
-    let mut scene = on_mesh(scene, triangles);
+    let mut scene = scene.on_mesh(triangles);
     scene.method = scene.method.with(method);
     scene.method.dt = dt;
     scene.method.substep = None;
@@ -377,7 +380,7 @@ pub fn check(plan: &Plan, cpu: &mut CpuClock) -> Result<SecondLook, PlanError> {
     let (chosen, scene) = (&plan.chosen, &plan.scene);
     let twice = 2 * chosen.triangles;
     let finer = match is_at_rest(scene) {
-        true => on_mesh(scene, twice),
+        true => scene.on_mesh(twice),
         false => at(scene, chosen.method, 0.5 * scene.method.dt, twice),
     };
     let (ours, theirs) = (run_to_end(scene, cpu)?, run_to_end(&finer, cpu)?);

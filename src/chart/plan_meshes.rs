@@ -38,9 +38,9 @@ pub(super) fn meshes(
     if scene.observe.is_empty() {
         return Err(PlanError::NothingObserved(scene.name.clone()));
     }
-    let asked = triangles(scene).max(4 * FEWEST);
+    let asked = scene.triangles().max(4 * FEWEST);
     let mut levels: Vec<Level> = vec![];
-    let mut count = (asked / FIRST).max(FEWEST);
+    let mut count = first(scene);
     loop {
         tell(&format!("mesh of {count} triangles"));
         let level = match level(scene, count, budget, cpu) {
@@ -74,18 +74,22 @@ pub(super) fn is_at_rest(scene: &Scene) -> bool {
     scene.method.scheme == Scheme::Equilibrium
 }
 
-/// A scene on another mesh.
-pub(super) fn on_mesh(scene: &Scene, triangles: usize) -> Scene {
+/// The scene with each mesh on which it comes to rest begun on those that are tried before it.
+pub(super) fn nested(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
-    scene.sheet.triangles = Some(triangles);
-    scene.sheet.edge = None;
+    scene.method.coarsest.get_or_insert(first(&scene));
     scene
+}
+
+/// Triangles of the mesh that is tried first.
+fn first(scene: &Scene) -> usize {
+    (scene.triangles() / FIRST).max(FEWEST)
 }
 
 /// Runs the explicit scheme on a mesh, or comes to rest on it.
 fn level(scene: &Scene, count: usize, budget: f64, cpu: &mut CpuClock) -> Result<Level, Ended> {
     let (method, scene) = match is_at_rest(scene) {
-        true => (Method::from(Scheme::Equilibrium), on_mesh(scene, count)),
+        true => (Method::from(Scheme::Equilibrium), scene.on_mesh(count)),
         false => {
             let explicit = Method::from(Scheme::CentralDifference);
             (explicit, at(scene, explicit, moment(scene), count))
@@ -139,11 +143,4 @@ fn last_resort(
             })
         }
     }
-}
-
-/// Triangles that a scene asks for.
-pub(super) fn triangles(scene: &Scene) -> usize {
-    let equilateral = 3f64.sqrt() / 4.0 * scene.sheet.edge_length().powi(2);
-    let by_edge = (scene.sheet.outline.area() / equilateral).round() as usize;
-    scene.sheet.triangles.unwrap_or(by_edge)
 }

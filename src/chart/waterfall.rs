@@ -3,7 +3,7 @@
 use super::course::CpuClock;
 use super::mesh_error::apart;
 use super::plan::{Ended, PlanError, Tolerance, at, moment, run, run_to_end};
-use super::plan_meshes::{meshes, triangles};
+use super::plan_meshes::meshes;
 use crate::scene::{Method, Scene, Scheme, SleepSpec, Solver};
 
 /// Longest implicit step \[s\].
@@ -39,7 +39,7 @@ pub fn waterfall(
 ) -> Result<Vec<Bar>, PlanError> {
     // All ways solve the same equations.
     let scene = &scene.clone().without_unsaid_layers();
-    let asked = triangles(scene);
+    let asked = scene.triangles();
     let (levels, _) = meshes(scene, (tolerance, budget), cpu, tell)?;
     let enough = levels.last().map_or(asked, |level| level.tried.triangles);
     let explicit = Method::from(Scheme::CentralDifference);

@@ -99,7 +99,7 @@ pub(super) fn text(plan: &Plan, tolerance: Tolerance) -> String {
         percent(space),
         percent(time),
         if rests {
-            "at rest"
+            "at rest, from the shape on the one before"
         } else {
             "with central-difference at its limit"
         },

@@ -31,6 +31,7 @@ pub(super) fn check(scene: &Scene, document: &Node) -> Result<(), SceneError> {
         observations,
         method,
         step_tolerance,
+        coarsest,
         times,
     ];
     for check in checks {
@@ -273,6 +274,16 @@ fn air(scene: &Scene) -> Result<(), Conflict> {
 
 fn observations(scene: &Scene) -> Result<(), Conflict> {
     for (name, observe) in &scene.observe {
+        match (&observe.region, observe.points.is_empty()) {
+            (None, true) => {
+                return conflict(format!("observe.{name}"), "give it points or a region");
+            }
+            (Some(_), false) => {
+                return conflict(format!("observe.{name}.region"), "goes without points");
+            }
+            (Some(part), true) => region(scene, part, &format!("observe.{name}.region"))?,
+            (None, false) => {}
+        }
         let outside = |point: &&[f64; 2]| !scene.sheet.outline.contains(point);
         if let Some([x, y]) = observe.points.iter().find(outside) {
             return conflict(
@@ -339,6 +350,13 @@ fn step_tolerance(scene: &Scene) -> Result<(), Conflict> {
         method.name()
     );
     conflict("method.step_tolerance", reason)
+}
+
+fn coarsest(scene: &Scene) -> Result<(), Conflict> {
+    match (scene.method.coarsest, scene.method.scheme) {
+        (None, _) | (Some(_), Scheme::Equilibrium) => Ok(()),
+        (Some(_), _) => conflict("method.coarsest", "needs method.scheme = equilibrium"),
+    }
 }
 
 fn times(scene: &Scene) -> Result<(), Conflict> {

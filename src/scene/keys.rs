@@ -275,6 +275,7 @@ const METHOD: &[Key] = &[
     may("substep", Number(range(1e-9, 1.0, "s"))),
     may("step_tolerance", Number(range(1e-9, 0.1, "m"))),
     may("limit", Choice(&["keep", "ignore"])),
+    may("coarsest", Count(50, 2_000_000)),
     may("rho_infinity", Number(range(0.0, 1.0, ""))),
 ];
 
@@ -293,7 +294,8 @@ const OUTPUT: &[Key] = &[
 ];
 
 const OBSERVE: &[Key] = &[
-    need("points", Points(PLACE)),
+    may("points", Points(PLACE)),
+    may("region", Tagged(REGION)),
     need("axis", Choice(&["x", "y", "z"])),
 ];
 

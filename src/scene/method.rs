@@ -204,6 +204,9 @@ pub struct MethodSpec {
     pub step_tolerance: Option<f64>,
     /// Whether `central-difference` keeps to its stable limit.
     pub limit: StableLimit,
+    /// Triangles of the coarsest mesh on which `equilibrium` looks for rest first; each shape is carried over to a mesh of
+    /// twice as many, up to the scene's own. Left out, it starts flat on the scene's own mesh.
+    pub coarsest: Option<usize>,
     /// Spectral radius of `generalised-alpha` at infinite frequency, 0 to 1 \[-\].
     pub rho_infinity: f64,
 }
@@ -214,10 +217,13 @@ impl MethodSpec {
         Method::of(self.scheme, self.solver)
     }
 
-    /// The same with another scheme and solver; a tolerance on its steps goes where the method cannot keep it.
+    /// The same with another scheme and solver; what the method has no use for goes.
     pub fn with(self, method: Method) -> Self {
         Self {
             step_tolerance: self.step_tolerance.filter(|_| method.knows_its_error()),
+            coarsest: self
+                .coarsest
+                .filter(|_| method.scheme == Scheme::Equilibrium),
             scheme: method.scheme,
             solver: method.solver,
             ..self
@@ -236,6 +242,7 @@ impl Default for MethodSpec {
             substep: None,
             step_tolerance: None,
             limit: StableLimit::Keep,
+            coarsest: None,
             rho_infinity: 0.3,
         }
     }

@@ -1,9 +1,9 @@
-//! Where a mesh is finer than elsewhere.
+//! How fine a mesh is, and where it is finer than elsewhere.
 
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
-use super::spec::Region;
+use super::spec::{Region, Scene};
 use crate::sheet::Outline;
 
 /// Part of the sheet with a finer mesh, where folds or supports bend it sharply; from there on edges grow by a quarter
@@ -25,6 +25,23 @@ impl Refine {
     pub fn size(&self, outline: &Outline, longest: f64, at: &Vector2<f64>) -> f64 {
         let grown = self.factor * longest + Self::GROWTH * self.region.distance(outline, at);
         grown.min(longest)
+    }
+}
+
+impl Scene {
+    /// Triangles that it asks for, directly or about by their edge length.
+    pub fn triangles(&self) -> usize {
+        let equilateral = 3f64.sqrt() / 4.0 * self.sheet.edge_length().powi(2);
+        let by_edge = (self.sheet.outline.area() / equilateral).round() as usize;
+        self.sheet.triangles.unwrap_or(by_edge)
+    }
+
+    /// The same on a mesh of so many triangles.
+    pub fn on_mesh(&self, triangles: usize) -> Self {
+        let mut scene = self.clone();
+        scene.sheet.triangles = Some(triangles);
+        scene.sheet.edge = None;
+        scene
     }
 }
 

@@ -380,12 +380,16 @@ pub enum Axis {
     Z,
 }
 
-/// A reading of the run: the mean displacement of some points of the sheet along one axis \[m\].
+/// A reading of the run: the mean displacement of some points, or of a region, of the sheet along one axis \[m\].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ObserveSpec {
     /// Points in the sheet's x, y \[m\]; the reading is their mean.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub points: Vec<[f64; 2]>,
+    /// In their place: a region, along boundary edges if it has some, else by area.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub region: Option<Region>,
     /// Direction of the displacement.
     pub axis: Axis,
 }

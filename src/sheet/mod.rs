@@ -1,6 +1,7 @@
 //! The sheet: a flat triangle mesh in material coordinates, its metric and its curvature.
 
 mod generate;
+mod interpolate;
 mod mesh;
 mod outline;
 mod shape;
@@ -8,5 +9,6 @@ mod shape;
 mod test;
 
 pub use generate::{MeshOptions, generate, generate_graded};
+pub use interpolate::interpolate;
 pub use mesh::{Mesh, NO_FACE};
 pub use outline::Outline;

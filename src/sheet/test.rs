@@ -1,4 +1,6 @@
-use super::{Mesh, MeshOptions, NO_FACE, Outline, generate, generate_graded};
+use nalgebra::{Vector2, Vector3};
+
+use super::{Mesh, MeshOptions, NO_FACE, Outline, generate, generate_graded, interpolate};
 
 fn outlines() -> [Outline; 5] {
     [
@@ -214,5 +216,49 @@ fn the_warp_lies_at_its_angle() {
     let along = nalgebra::Vector2::new(0.3f64.cos(), 0.3f64.sin());
     for (outline, material) in mesh.outline.iter().zip(&mesh.material) {
         assert!((material.x - outline.dot(&along)).abs() < 1e-15);
+    }
+}
+
+/// Values at the vertices of a finer mesh from those of a coarser one, at most off by.
+fn interpolation_error(coarse: usize, field: impl Fn(&Vector2<f64>) -> Vector3<f64>) -> f64 {
+    let [from, to] = [coarse, 5000].map(|n| meshed(&outlines()[2], n, 0.2, n as u64));
+    let values: Vec<_> = from.material.iter().map(&field).collect();
+    let found = interpolate(&from, &values, &to.material);
+    let off = found
+        .iter()
+        .zip(&to.material)
+        .map(|(v, p)| (v - field(p)).norm());
+    off.fold(0.0, f64::max)
+}
+
+/// A quadratic field is met everywhere, beyond the chords of the rim, too; of a wave the error falls with the third power.
+#[test]
+fn interpolation_is_of_third_order() {
+    let quadratic = |p: &Vector2<f64>| {
+        let [x, y] = [p.x / 0.1, p.y / 0.1];
+        Vector3::new(1.0 + x - y * y, x * y, 2.0 * x * x - 3.0 * y)
+    };
+    assert!(interpolation_error(100, quadratic) < 1e-11);
+    let wave = |p: &Vector2<f64>| Vector3::new((30.0 * p.x).sin(), (20.0 * p.y).cos(), 0.0);
+    let [coarse, fine] = [300, 4800].map(|n| interpolation_error(n, wave));
+    let order = (coarse / fine).log(4.0);
+    assert!(order > 2.7 && coarse < 0.03, "order {order}");
+}
+
+/// At the vertices themselves it is what was given, to the last bits.
+#[test]
+fn interpolation_goes_through_what_is_given() {
+    let mesh = meshed(&outlines()[3], 400, 0.2, 1);
+    let values: Vec<_> = (0..mesh.material.len())
+        .map(|v| Vector3::new(v as f64, 0.0, -1.0))
+        .collect();
+    for (found, given) in interpolate(&mesh, &values, &mesh.material)
+        .iter()
+        .zip(&values)
+    {
+        assert!(
+            (found - given).norm() < 1e-9 * given.norm(),
+            "{found} for {given}"
+        );
     }
 }

@@ -38,14 +38,7 @@ pub fn measure(model: &Model, state: &State, touch: &Touch, report: &mut StepRep
     report.readings = model
         .readings
         .iter()
-        .map(|r| {
-            let sum: f64 = r
-                .vertices
-                .iter()
-                .map(|&v| state.positions[v as usize][r.axis])
-                .sum();
-            sum / r.vertices.len() as f64 - r.start
-        })
+        .map(|r| r.probe.read(&state.positions)[r.axis] - r.start)
         .collect();
     report.step = state.step;
     report.dt = model.scene.method.dt;

@@ -23,7 +23,8 @@ use super::carry::Carried;
 use super::command::AirRegion;
 use super::dofs::Dofs;
 use super::perturbation::perturbation;
-use super::regions::{loads, nearest_vertex, supports};
+use super::probe::Probe;
+use super::regions::{loads, supports};
 
 /// Mesh, fabric and terms of a run.
 #[derive(Clone, Debug)]
@@ -70,17 +71,17 @@ pub struct Model {
     pub tiles: Tiles,
     /// Numbering of the unknowns.
     pub dofs: Dofs,
-    /// Vertices and axis of each reading, with the mean position at the start.
+    /// What each reading averages along which axis, from where.
     pub readings: Vec<Reading>,
 }
 
-/// A reading as vertices to average.
+/// A reading as a mean over vertices.
 #[derive(Clone, Debug)]
 pub struct Reading {
     /// Name in the scene.
     pub name: String,
-    /// Vertices averaged.
-    pub vertices: Vec<u32>,
+    /// What is averaged.
+    pub probe: Probe,
     /// World axis.
     pub axis: usize,
     /// Mean coordinate at the unperturbed start \[m\].
@@ -295,31 +296,26 @@ fn mesh(scene: &Scene) -> Mesh {
 
 fn readings(scene: &Scene, mesh: &Mesh) -> Vec<Reading> {
     let (turn, shift) = placement(scene);
+    let place = |p: &Vector2<f64>| turn * Vector3::new(p.x, p.y, 0.0) + shift;
+    let flat: Vec<Vector3<f64>> = mesh.outline.iter().map(place).collect();
     let reading = |(name, spec): (&String, &crate::scene::ObserveSpec)| {
-        let vertices: Vec<u32> = spec
-            .points
-            .iter()
-            .map(|at| nearest_vertex(mesh, at))
-            .collect();
+        let probe = match &spec.region {
+            Some(region) => Probe::over(mesh, region),
+            None => {
+                let points: Vec<_> = spec.points.iter().map(|p| Vector2::from(*p)).collect();
+                Probe::at(mesh, &points)
+            }
+        };
         let axis = match spec.axis {
             Axis::X => 0,
             Axis::Y => 1,
             Axis::Z => 2,
         };
-        let sum: f64 = vertices
-            .iter()
-            .map(|&v| {
-                let p = mesh.outline[v as usize];
-                (turn * Vector3::new(p.x, p.y, 0.0) + shift)[axis]
-            })
-            .sum();
-        let start = sum / vertices.len() as f64;
-        let name = name.clone();
         Reading {
-            name,
-            vertices,
+            name: name.clone(),
+            start: probe.read(&flat)[axis],
+            probe,
             axis,
-            start,
         }
     };
     scene.observe.iter().map(reading).collect()

@@ -75,25 +75,31 @@ pub fn nearest_vertex(mesh: &Mesh, at: &[f64; 2]) -> u32 {
 pub fn loads(scene: &Scene, mesh: &Mesh) -> Vec<Vector3<f64>> {
     let mut forces = vec![Vector3::zeros(); mesh.outline.len()];
     for load in scene.load.values() {
-        let inside = region(&load.region, mesh);
-        let bears: Vec<bool> = mesh.outline.iter().map(inside).collect();
-        let mut shares = vec![0.0; forces.len()];
-        for e in (0..mesh.edges.len()).filter(|&e| mesh.is_boundary(e)) {
-            let ends = mesh.edges[e].map(|v| v as usize);
-            if ends.iter().all(|&v| bears[v]) {
-                ends.iter().for_each(|&v| shares[v] += mesh.edge_length(e));
-            }
-        }
-        if shares.iter().all(|share| *share == 0.0) {
-            let area = |v: usize| if bears[v] { mesh.vertex_areas[v] } else { 0.0 };
-            shares = (0..forces.len()).map(area).collect();
-        }
-        let all: f64 = shares.iter().sum();
-        if all > 0.0 {
-            for (force, share) in forces.iter_mut().zip(shares) {
-                *force += Vector3::from(load.force) * (share / all);
-            }
+        for (force, share) in forces.iter_mut().zip(shares(&load.region, mesh)) {
+            *force += Vector3::from(load.force) * share;
         }
     }
     forces
+}
+
+/// How what is spread evenly over a region is shared by the vertices: along boundary edges within it, if there are any,
+/// else by area. They sum to one, or are all zero where no vertex lies in it.
+pub fn shares(inside: &Region, mesh: &Mesh) -> Vec<f64> {
+    let within: Vec<bool> = mesh.outline.iter().map(region(inside, mesh)).collect();
+    let mut shares = vec![0.0; within.len()];
+    for e in (0..mesh.edges.len()).filter(|&e| mesh.is_boundary(e)) {
+        let ends = mesh.edges[e].map(|v| v as usize);
+        if ends.iter().all(|&v| within[v]) {
+            ends.iter().for_each(|&v| shares[v] += mesh.edge_length(e));
+        }
+    }
+    if shares.iter().all(|share| *share == 0.0) {
+        let area = |v: usize| if within[v] { mesh.vertex_areas[v] } else { 0.0 };
+        shares = (0..within.len()).map(area).collect();
+    }
+    let all: f64 = shares.iter().sum();
+    if all > 0.0 {
+        shares.iter_mut().for_each(|share| *share /= all);
+    }
+    shares
 }

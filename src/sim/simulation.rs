@@ -32,6 +32,11 @@ pub enum Refused {
     /// An obstacle stands in the cloth.
     #[error("at the start: {0}")]
     World(#[from] Rejected),
+    /// A mesh too coarse for what is observed.
+    #[error(
+        "observe.{0}.region holds no vertex of this mesh; make it larger, or sheet.triangles more"
+    )]
+    NothingSeen(String),
     /// The fabric cannot be one.
     #[error(transparent)]
     Fabric(#[from] FabricError),
@@ -62,6 +67,9 @@ impl Simulation {
     pub fn new(scene: &Scene, threads: usize) -> Result<Self, Refused> {
         let fabric = scene.fabric.resolve()?;
         let model = Model::new(scene, fabric);
+        if let Some(blind) = model.readings.iter().find(|r| r.probe.is_empty()) {
+            return Err(Refused::NothingSeen(blind.name.clone()));
+        }
         let (state, touch) = start::start(&model)?;
         let method = &scene.method;
         let engine = match (Rule::of(method), method.solver) {

@@ -1,7 +1,11 @@
 //! The scheme `equilibrium`: it ends on the residual, at a minimum, or says why not.
 
+use std::f64::consts::TAU;
+
 use crate::lab::{built_in, reading, scene, simulation};
-use toile::sim::Simulation;
+use nalgebra::{Rotation2, Vector2};
+use toile::scene::{Override, library, parse};
+use toile::sim::{Probe, Simulation};
 
 const STILL: &[&str] = &["method.scheme=equilibrium", "duration=5e-3"];
 
@@ -94,4 +98,105 @@ fn equilibrium_is_reproducible() {
     resumed.resume(one.state().clone()).unwrap();
     let mut whole = one;
     assert_eq!(resumed.step().unwrap(), whole.step().unwrap());
+}
+
+/// A strip on its clamp that hangs over a smooth ball.
+const OVER_A_BALL: &str = r#"
+name = "over-a-ball"
+description = "A clamped strip hangs over a smooth ball"
+duration = 5e-3
+sheet = { outline = { kind = "rectangle", length = 0.1, width = 0.025 }, triangles = 800, position = [0.05, 0.0, 0.0] }
+fabric = { name = "F1" }
+method = { scheme = "equilibrium", tolerance = 1e-8 }
+[support.clamp]
+kind = "clamp"
+region = { kind = "x-min" }
+[obstacle.ball]
+shape = { kind = "sphere", radius = 0.03 }
+position = [0.05, 0.0, -0.035]
+[observe.tip]
+region = { kind = "x-max" }
+axis = "z"
+"#;
+
+/// Where there is one state of rest only, it does not matter on which meshes it is looked for first.
+#[test]
+fn verify_coarser_meshes_lead_to_the_same_rest() {
+    let sagging = [STILL, &["sheet.triangles=800", "method.tolerance=1e-8"]].concat();
+    let scenes = [
+        (built_in("three-edges", &sagging), "centre"),
+        (scene(OVER_A_BALL), "tip"),
+    ];
+    for (mut scene, key) in scenes {
+        let mut rest = |coarsest| {
+            scene.method.coarsest = coarsest;
+            let mut simulation = simulation(&scene);
+            simulation.step().unwrap_or_else(|e| panic!("{key}: {e}"));
+            let tests = simulation.report().work.tests;
+            (
+                reading(&simulation, key),
+                tests,
+                simulation.report().contacts,
+            )
+        };
+        let (alone, nested) = (rest(None), rest(Some(100)));
+        println!("{key}: {alone:?}, over coarser meshes {nested:?}");
+        assert!(
+            (alone.0 / nested.0 - 1.0).abs() < 1e-6,
+            "{key}: {alone:?}, {nested:?}"
+        );
+        assert_eq!(
+            nested.1,
+            alone.1 + 3,
+            "{key}: each of 100, 200, 400 comes to rest"
+        );
+        assert_eq!(nested.2 > 0, key == "tip");
+    }
+}
+
+/// From flat, every mesh takes other folds; from a coarser one it keeps them.
+#[test]
+fn verify_folds_are_kept_as_the_mesh_is_refined() {
+    let around = |k: u32| Rotation2::new(f64::from(k) * TAU / 36.0) * Vector2::new(0.125, 0.0);
+    let rim: Vec<_> = (0..36).map(around).collect();
+    let heights = |triangles: usize, coarsest| {
+        let mut scene = built_in("drapemeter", &["fabric.name=F5"]).on_mesh(triangles);
+        scene.method.coarsest = coarsest;
+        let mut drape = simulation(&scene);
+        drape.step().unwrap_or_else(|e| panic!("{e}"));
+        let height = |p: &Vector2<f64>| {
+            let probe = Probe::at(&drape.model().mesh, &[*p]);
+            probe.read(&drape.state().positions).z
+        };
+        rim.iter().map(height).collect::<Vec<f64>>()
+    };
+    let apart = |coarsest| {
+        let (coarse, fine) = (heights(1400, coarsest), heights(2800, coarsest));
+        let squares = coarse.iter().zip(&fine).map(|(a, b)| (a - b).powi(2));
+        (squares.sum::<f64>() / 36.0).sqrt()
+    };
+    let (flat, kept) = (apart(None), apart(Some(350)));
+    println!(
+        "rim of 2,800 triangles from that of 1,400: {flat:.4} m from flat, {kept:.4} m nested"
+    );
+    assert!(kept < 2.5e-3 && flat > 2.0 * kept);
+}
+
+#[test]
+fn coarser_meshes_are_for_states_of_rest() {
+    for (set, parts) in [
+        (
+            ["method.coarsest=100", "method.scheme=bdf2"],
+            ["method.coarsest = 100", "needs method.scheme = equilibrium"],
+        ),
+        (
+            ["method.coarsest=10", "method.scheme=equilibrium"],
+            ["method.coarsest = 10", "from 50 to"],
+        ),
+    ] {
+        let set = set.map(|s| Override::parse(s).unwrap());
+        let text = library::text("three-edges").unwrap();
+        let refusal = parse(text, &set).unwrap_err().to_string();
+        assert!(parts.iter().all(|part| refusal.contains(part)), "{refusal}");
+    }
 }

@@ -42,6 +42,7 @@ mod messages;
 mod methods;
 mod motion;
 mod needs;
+mod observe;
 mod order;
 mod orders;
 mod overlap;

@@ -101,6 +101,23 @@ fn validate_a_plan_of_a_state_of_rest() {
     assert!(second_look.error <= share, "{second_look:?}");
 }
 
+/// A ring that folds: the mean height of its rim against four times the triangles, whose folds are the same.
+#[test]
+fn validate_a_plan_of_a_drape() {
+    let share = 0.1;
+    let scene = built_in("drapemeter", &["fabric.name=F5"]);
+    let plan = plan(&scene, (Tolerance(share), 60.0), &mut clock(), &mut |_| {}).unwrap();
+    assert!(plan.errors[0] <= share && plan.chosen.triangles < 3000);
+    assert_eq!(plan.scene.method.coarsest, Some(plan.meshes[0].triangles));
+    let truth = run(&plan.scene.on_mesh(4 * plan.chosen.triangles));
+    let (ours, truth) = (reading(&run(&plan.scene), "rim"), reading(&truth, "rim"));
+    println!(
+        "{} triangles: rim at {ours}, not {truth}",
+        plan.chosen.triangles
+    );
+    assert!(0.0 < (ours / truth - 1.0).abs() && (ours / truth - 1.0).abs() <= share);
+}
+
 /// Each way costs less than the one before it, and one that was left has no error; all of them are drawn.
 #[test]
 fn verify_what_each_economy_saves() {
