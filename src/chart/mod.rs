@@ -25,6 +25,7 @@ mod picture_light;
 mod picture_solids;
 mod picture_strip;
 pub mod plan;
+mod plan_error;
 mod plan_meshes;
 pub mod plot;
 mod plot_frame;

@@ -9,6 +9,7 @@
 
 use super::course::CpuClock;
 use super::mesh_error::{MeshError, apart, error_of_change};
+pub use super::plan_error::PlanError;
 use super::plan_meshes::{Level, is_at_rest, meshes, nested};
 use crate::scene::{Method, Scene, Scheme, Solver};
 use crate::sim::{Simulation, Work};
@@ -46,56 +47,6 @@ impl std::fmt::Display for Tolerance {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{} %", (1e6 * self.0).round() / 1e4)
     }
-}
-
-/// Why there is no plan.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum PlanError {
-    /// Nothing to hold to the tolerance.
-    #[error("scene `{0}` observes nothing; give it an [observe.NAME]")]
-    NothingObserved(String),
-    /// The mesh would have to be finer than is tried.
-    #[error(
-        "no mesh that runs in {budget} CPU seconds is within {tolerance}: {triangles} triangles are {:.1} % off by their \
-         own estimate in {cpu:.1} s, and at order {order:.1} it would take {:.1e} triangles and {:.0e} s; try a wider \
-         --tolerance, a shorter --duration or a larger --budget", 1e2 * estimate, *triangles as f64 * finer, cpu * dearer
-    )]
-    TooFine {
-        /// What a run may cost \[CPU-s\].
-        budget: f64,
-        /// Triangles of the finest mesh that was tried.
-        triangles: usize,
-        /// What it cost \[CPU-s\].
-        cpu: f64,
-        /// Asked for.
-        tolerance: Tolerance,
-        /// Estimated error of the finest mesh \[-\].
-        estimate: f64,
-        /// Order with which it falls, measured or assumed.
-        order: f64,
-        /// Triangles of a mesh that is fine enough, if it goes on like that, over those of the finest \[-\].
-        finer: f64,
-        /// Its cost over that of the finest \[-\].
-        dearer: f64,
-    },
-    /// What is observed depends on the step more than it may.
-    #[error(
-        "no step is within {tolerance} on {triangles} triangles: the mesh may be {:.2} % off, and half the explicit \
-         scheme's substep still {:.2} %; try a wider --tolerance or a shorter --duration", 1e2 * space, 1e2 * time
-    )]
-    TooSensitive {
-        /// Asked for.
-        tolerance: Tolerance,
-        /// Triangles of the mesh.
-        triangles: usize,
-        /// Estimated error of the mesh \[-\].
-        space: f64,
-        /// Estimated error of half the substep \[-\].
-        time: f64,
-    },
-    /// A run that must not fail did.
-    #[error("{0}")]
-    Died(String),
 }
 
 /// What was tried: a method on a mesh.

@@ -31,10 +31,11 @@ pub(super) struct Level {
 /// Refines the mesh until its error is small enough; what was tried, and the error of the last.
 pub(super) fn meshes(
     scene: &Scene,
-    (tolerance, budget): (Tolerance, f64),
+    within: (Tolerance, f64),
     cpu: &mut CpuClock,
     tell: &mut dyn FnMut(&str),
 ) -> Result<(Vec<Level>, MeshError), PlanError> {
+    let (tolerance, budget) = within;
     if scene.observe.is_empty() {
         return Err(PlanError::NothingObserved(scene.name.clone()));
     }
@@ -46,7 +47,7 @@ pub(super) fn meshes(
         let level = match level(scene, count, budget, cpu) {
             Ok(level) => level,
             Err(Ended::Died(message)) => return Err(PlanError::Died(message)),
-            Err(Ended::TooDear(..)) => return last_resort(levels, tolerance, budget),
+            Err(Ended::TooDear(..)) => return last_resort(levels, within, is_at_rest(scene)),
         };
         let cost = level.tried.cpu;
         levels.push(level);
@@ -63,7 +64,7 @@ pub(super) fn meshes(
         let at_best = measured.map_or(1.0, |e| e.error / (SPACE * tolerance.0));
         let hopeless = 4 * count >= asked && dearer(at_best, HOPELESS);
         if dearer(TIMES as f64, 1.0) || hopeless {
-            return last_resort(levels, tolerance, budget);
+            return last_resort(levels, within, is_at_rest(scene));
         }
         count *= TIMES;
     }
@@ -121,26 +122,27 @@ fn error_of(levels: &[Level]) -> Option<MeshError> {
 /// The finest mesh that the budget allows, if it is good enough for the explicit scheme alone.
 fn last_resort(
     levels: Vec<Level>,
-    tolerance: Tolerance,
-    budget: f64,
+    (tolerance, budget): (Tolerance, f64),
+    at_rest: bool,
 ) -> Result<(Vec<Level>, MeshError), PlanError> {
-    match error_of(&levels) {
-        Some(error) if error.error <= ALONE * tolerance.0 => Ok((levels, error)),
-        error => {
-            let estimate = error.map_or(f64::INFINITY, |e| e.error);
-            let order = error.and_then(|e| e.order).unwrap_or(IRREGULAR_ORDER);
-            let finer = (estimate / (SPACE * tolerance.0)).powf(2.0 / order);
-            let finer = finer.max(TIMES as f64);
-            Err(PlanError::TooFine {
-                budget,
-                triangles: levels.last().map_or(0, |level| level.tried.triangles),
-                cpu: levels.last().map_or(0.0, |level| level.tried.cpu),
-                tolerance,
-                estimate,
-                order,
-                finer,
-                dearer: finer.powf(DEARER),
-            })
-        }
+    let (Some(error), Some(finest)) = (error_of(&levels), levels.last()) else {
+        return Err(PlanError::TooDear { budget });
+    };
+    if error.error <= ALONE * tolerance.0 {
+        return Ok((levels, error));
     }
+    let order = error.order.unwrap_or(IRREGULAR_ORDER);
+    let finer = (error.error / (SPACE * tolerance.0)).powf(2.0 / order);
+    let finer = finer.max(TIMES as f64);
+    Err(PlanError::TooFine {
+        budget,
+        triangles: finest.tried.triangles,
+        cpu: finest.tried.cpu,
+        tolerance,
+        estimate: error.error,
+        order,
+        finer,
+        dearer: finer.powf(DEARER),
+        at_rest,
+    })
 }

@@ -3,7 +3,7 @@
 use super::course::CpuClock;
 use super::mesh_error::apart;
 use super::plan::{Ended, PlanError, Tolerance, at, moment, run, run_to_end};
-use super::plan_meshes::meshes;
+use super::plan_meshes::{is_at_rest, meshes};
 use crate::scene::{Method, Scene, Scheme, SleepSpec, Solver};
 
 /// Longest implicit step \[s\].
@@ -37,6 +37,9 @@ pub fn waterfall(
     cpu: &mut CpuClock,
     tell: &mut dyn FnMut(&str),
 ) -> Result<Vec<Bar>, PlanError> {
+    if is_at_rest(scene) {
+        return Err(PlanError::NoTime(scene.name.clone()));
+    }
     // All ways solve the same equations.
     let scene = &scene.clone().without_unsaid_layers();
     let asked = scene.triangles();

@@ -65,10 +65,11 @@ pub(super) fn find(scene: &Scene, within: (Tolerance, f64)) -> Result<Plan, CliE
 
 pub(super) fn failed(error: PlanError) -> CliError {
     match error {
-        PlanError::NothingObserved(_) => CliError::Input(error.to_string()),
-        PlanError::TooFine { .. } | PlanError::TooSensitive { .. } | PlanError::Died(_) => {
-            CliError::Measure(error.to_string())
-        }
+        PlanError::NothingObserved(_) | PlanError::NoTime(_) => CliError::Input(error.to_string()),
+        PlanError::TooFine { .. }
+        | PlanError::TooDear { .. }
+        | PlanError::TooSensitive { .. }
+        | PlanError::Died(_) => CliError::Measure(error.to_string()),
     }
 }
 

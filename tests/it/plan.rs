@@ -158,6 +158,14 @@ fn what_cannot_be_planned_is_told() {
         panic!("{refused}");
     };
     assert!(1.0 < finer && finer < dearer, "{refused}");
+    let hasty = plan(&fine, (Tolerance(0.01), 1e-9), &mut clock(), &mut silent);
+    assert_eq!(hasty, Err(PlanError::TooDear { budget: 1e-9 }));
+    let still = built_in("drapemeter", &["sheet.triangles=100"]);
+    let refused = waterfall(&still, (Tolerance(0.1), 60.0), &mut clock(), &mut silent);
+    assert_eq!(refused, Err(PlanError::NoTime("drapemeter".to_string())));
+    let within = (Tolerance(1e-5), 0.1);
+    let refused = plan(&still, within, &mut clock(), &mut silent).unwrap_err();
+    assert!(!refused.to_string().contains("duration"), "{refused}");
     // A large sheet sinks in something thick: all meshes agree, and its substep is as long as the sinking takes to set in.
     let set = [
         "damping=100",
