@@ -68,14 +68,12 @@ pub fn cells(scene: &Scene) -> Result<Vec<Cell>, ChartError> {
 }
 
 fn cell(whole: &Problem, stiffness: f64, triangles: usize) -> Result<Cell, ChartError> {
-    let mut scene = whole.scene.clone();
+    let mut scene = whole.scene.on_mesh(triangles);
     let refused = |_| ChartError::NoReference(whole.scene.name.clone());
     let fabric = scene.fabric.resolve().map_err(refused)?;
     scene.fabric.young_warp = Some(stiffness * fabric.young_warp);
     scene.fabric.young_weft = Some(stiffness * fabric.young_weft);
     scene.fabric.shear_modulus = Some(stiffness * fabric.shear_modulus);
-    scene.sheet.triangles = Some(triangles);
-    scene.sheet.edge = None;
     let fabric = scene.fabric.resolve().map_err(refused)?;
     let limit = stable_limit(&Model::new(&scene, fabric));
     let count = (DURATION.min(scene.duration) / STEPS[0]).round().max(1.0) as u32;

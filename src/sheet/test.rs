@@ -245,7 +245,7 @@ fn interpolation_is_of_third_order() {
     assert!(order > 2.7 && coarse < 0.03, "order {order}");
 }
 
-/// At the vertices themselves it is what was given, to the last bits.
+/// At the vertices themselves it is what was given, but for rounding.
 #[test]
 fn interpolation_goes_through_what_is_given() {
     let mesh = meshed(&outlines()[3], 400, 0.2, 1);

@@ -11,7 +11,7 @@ use super::super::slopes::SlopeSolver;
 use super::super::start::start;
 use super::super::state::State;
 use super::super::step::{Diverged, failure};
-use super::rest;
+use super::rest_at;
 use crate::scene::Scene;
 use crate::sheet::interpolate;
 
@@ -26,26 +26,19 @@ pub(super) fn approach(
         return Ok(());
     };
     let coarse = Model::new(&scene, model.fabric.clone());
-    let refused = |why: &dyn std::fmt::Display| failure(model, state, (0.0, 0), why.to_string());
-    let (mut below, _) = start(&coarse).map_err(|rejected| refused(&rejected))?;
+    let (mut below, _) =
+        start(&coarse).map_err(|rejected| failure(model, state, (0.0, 0), rejected.to_string()))?;
     below.step = state.step;
     below.began = state.began;
     below.obstacles.clone_from(&state.obstacles);
     below.air = state.air.clone();
-    coarse.hold(&mut below, time);
-    approach(&coarse, &mut below, time, work)?;
-    let mut solver = Implicit::new(&coarse, 1);
-    solver.expect_layers(true);
-    let method = &scene.method;
-    let found = rest(
+    rest_at(
         &coarse,
-        &mut solver,
+        &mut Implicit::new(&coarse, 1),
         &mut below,
-        method.tolerance,
-        method.dt,
+        time,
+        work,
     )?;
-    *work += found.work;
-    work.layer_searches += solver.layer_searches();
     carry_over(&coarse, &below, model, state);
     Ok(())
 }
