@@ -12,6 +12,9 @@ const LOWEST_ORDER: f64 = 0.5;
 const HIGHEST_ORDER: f64 = 4.0;
 /// Order where meshes do not come together regularly: between those that are measured, 0.5 to 1.5, where sheets fold.
 pub const IRREGULAR_ORDER: f64 = 1.0;
+/// Order above which the first of three meshes counts as too coarse to tell any: the factor is then that of two (Eça and
+/// Hoekstra 2014, doi:10.1016/j.jcp.2014.01.006, who say so from 2.1 on).
+const CREDIBLE_ORDER: f64 = 3.0;
 /// Roache's factors of safety: with three meshes, and with two.
 const OF_THREE: f64 = 1.25;
 const OF_TWO: f64 = 3.0;
@@ -49,16 +52,19 @@ impl MeshError {
         };
         let change = apart(coarse.readings, fine.readings);
         let left = |from: &OnMesh, order: f64| remainder([from.size(), fine.size()], order);
+        let of_two = OF_TWO * change * left(coarse, FORMAL_ORDER);
         let [.., coarsest, _, _] = meshes else {
             return Some(Self {
-                error: OF_TWO * change * left(coarse, FORMAL_ORDER),
+                error: of_two,
                 order: None,
             });
         };
         let sizes = [coarsest.size(), coarse.size(), fine.size()];
         let before = apart(coarsest.readings, coarse.readings) * largest(coarse.readings);
+        let before = before / largest(fine.readings);
         // Two meshes that agree much better than those before them do so by chance.
-        let least = before / fall(sizes, HIGHEST_ORDER) / largest(fine.readings);
+        let least = before / fall(sizes, HIGHEST_ORDER);
+        let too_coarse = change < before / fall(sizes, CREDIBLE_ORDER);
         let change = change.max(least);
         let order = order(meshes);
         let error = match order {
@@ -69,10 +75,13 @@ impl MeshError {
                 change.max(both * left(coarsest, IRREGULAR_ORDER))
             }
         };
-        Some(Self {
-            error: OF_THREE * error,
-            order,
-        })
+        let of_three = OF_THREE * error;
+        let error = if too_coarse {
+            of_three.max(of_two)
+        } else {
+            of_three
+        };
+        Some(Self { error, order })
     }
 }
 

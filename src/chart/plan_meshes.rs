@@ -46,6 +46,11 @@ pub(super) fn meshes(
         tell(&format!("mesh of {count} triangles"));
         let level = match level(scene, count, budget, cpu) {
             Ok(level) => level,
+            // A mesh coarser than the scene's own may be too coarse for it.
+            Err(Ended::Died(_)) if count < scene.triangles() => {
+                count *= TIMES;
+                continue;
+            }
             Err(Ended::Died(message)) => return Err(PlanError::Died(message)),
             Err(Ended::TooDear(..)) => return last_resort(levels, within, is_at_rest(scene)),
         };

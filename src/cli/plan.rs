@@ -47,8 +47,22 @@ impl PlanArgs {
         let plan = find(&scene, (self.tolerance, self.budget))?;
         match self.json {
             true => output::print_json(&value(&plan, self.tolerance)),
-            false => output::print(&text(&plan, self.tolerance)),
+            false => output::print(&(text(&plan, self.tolerance) + &self.next())),
         }
+    }
+
+    /// The command that runs the plan.
+    fn next(&self) -> String {
+        let mut next = format!("\nnext: toile run {}", self.scene);
+        for set in &self.set {
+            next += &format!(" --set '{set}'");
+        }
+        if let Some(duration) = &self.duration {
+            next += &format!(" --duration {duration}");
+        }
+        let percent = significant(1e2 * self.tolerance.0, 2);
+        next += &format!(" --tolerance {percent}% --budget {}\n", self.budget);
+        next
     }
 }
 
@@ -82,23 +96,24 @@ fn step(tried: &Tried) -> String {
 }
 
 /// The plan in some lines.
-pub(super) fn text(plan: &Plan, tolerance: Tolerance) -> String {
+fn text(plan: &Plan, tolerance: Tolerance) -> String {
     let chosen = &plan.chosen;
     let [space, time] = plan.errors;
     let falls = plan.order.map_or(String::new(), |order| {
         format!(" (order {} in the edge length)", significant(order, 2))
     });
     let rests = plan.methods.is_empty();
+    let step_error = format!(", {} by the step", percent(time));
     let mut text = format!(
-        "{} within {tolerance}: {} triangles, {} at {}, {} of CPU time\n  estimated error {} by the mesh{falls}, {} by the \
-         step\n\nmeshes, each {}\n",
+        "{} within {tolerance}: {} triangles, {} at {}, {} of CPU time\n  estimated error {} by the mesh{falls}{}\n\n\
+         meshes, each {}\n",
         plan.scene.name,
         chosen.triangles,
         chosen.method.name(),
         step(chosen),
         seconds(chosen.cpu),
         percent(space),
-        percent(time),
+        if rests { "" } else { &step_error },
         if rests {
             "at rest, from the shape on the one before"
         } else {
@@ -130,13 +145,7 @@ pub(super) fn text(plan: &Plan, tolerance: Tolerance) -> String {
             seconds(t.cpu),
         ]
     });
-    text += &table(&rows.collect::<Vec<_>>());
-    text += &format!(
-        "\nnext: toile run {} --tolerance {}%\n",
-        plan.scene.name,
-        significant(1e2 * tolerance.0, 2)
-    );
-    text
+    text + &table(&rows.collect::<Vec<_>>())
 }
 
 fn value(plan: &Plan, tolerance: Tolerance) -> Value {

@@ -275,6 +275,7 @@ impl Implicit {
                 obstacles: &state.obstacles,
                 bonds: &state.bonds,
             },
+            timeless: rule == Rule::GradientFlow,
             law,
             layer_bonds: &state.layer_bonds,
             layers: LayerTouch::default(),

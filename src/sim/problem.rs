@@ -10,6 +10,7 @@ use super::model::Model;
 use super::near::Near;
 use super::state::Memory;
 use super::touch::{Before, Touch};
+use super::travel::before_passing;
 use crate::math::newton::Problem;
 use crate::math::sparse::Pattern;
 use crate::physics::drag::Drag;
@@ -38,6 +39,8 @@ pub struct StepProblem<'a> {
     pub stresses: &'a mut Vec<Vector3<f64>>,
     /// Nodes of the iterate before.
     pub iterate: Vec<Vector3<f64>>,
+    /// Whether an iteration goes where no time leads, so that nothing else keeps it from jumping over an obstacle.
+    pub timeless: bool,
 }
 
 impl StepProblem<'_> {
@@ -148,18 +151,23 @@ impl Problem for StepProblem<'_> {
     }
 
     fn longest(&mut self, z: &[f64], step: &[f64]) -> f64 {
-        if self.law.is_none() {
+        if self.law.is_none() && !self.timeless {
             return 1.0;
         }
         let vertices = self.model.masses.len();
         let end: Vec<f64> = z.iter().zip(step).map(|(z, step)| z + step).collect();
         self.trial.clone_from(self.nodes);
         self.model.dofs.scatter(&end, &mut self.trial);
-        self.near.safe(
-            self.model,
-            &self.iterate[..vertices],
-            &self.trial[..vertices],
-        )
+        let way = [&self.iterate[..vertices], &self.trial[..vertices]];
+        let mut share = 1.0f64;
+        if self.law.is_some() {
+            share = self.near.safe(self.model, way[0], way[1]);
+        }
+        if self.timeless {
+            let still = [&self.touch.obstacles[..]; 2];
+            share = share.min(before_passing(self.model, way, still));
+        }
+        share
     }
 
     fn tangent(&mut self, projection: f64, values: &mut [f64]) {

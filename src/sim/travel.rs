@@ -1,6 +1,6 @@
 //! How far cloth and obstacles may move against each other at a time, so that neither passes the other unseen.
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 use super::integrate::quickest;
 use super::model::Model;
@@ -55,11 +55,74 @@ pub fn taken(
     let of = |(start, end): (&Obstacle, &Obstacle)| {
         let carried = end.pose * start.pose.inverse();
         let travels = from.iter().zip(to).filter_map(|(x, y)| {
-            let moved = (y - (carried * nalgebra::Point3::from(*x)).coords).norm();
+            let moved = (y - (carried * Point3::from(*x)).coords).norm();
             let reach = law.offset + model.longest_edge + moved;
             (end.distance(y).value < reach).then_some(moved)
         });
         travels.fold(0.0, f64::max) / room(law, end)
     };
     start.iter().zip(end).map(of).fold(0.0, f64::max)
+}
+
+/// Halvings by which a moment of a motion is found.
+const HALVINGS: usize = 30;
+
+/// Share of a straight motion of the sheet, seen from each obstacle, that leaves it on the side on which it is: up to where
+/// a vertex or the middle of a face is as deep as it may travel, if further on it would come out behind. 1 where none
+/// does. It may miss what is thinner than half a face.
+pub fn before_passing(
+    model: &Model,
+    [from, to]: [&[Vector3<f64>]; 2],
+    [start, end]: [&[Obstacle]; 2],
+) -> f64 {
+    let Some(law) = &model.contact else {
+        return 1.0;
+    };
+    let middle = |x: &[Vector3<f64>], f: &[u32; 3]| f.map(|v| x[v as usize] / 3.0).iter().sum();
+    let vertices = from.iter().copied().zip(to.iter().copied());
+    let faces = model.mesh.faces.iter();
+    let middles = faces.map(|f| (middle(from, f), middle(to, f)));
+    let ways: Vec<(Vector3<f64>, Vector3<f64>)> = vertices.chain(middles).collect();
+    let of = |(start, end): (&Obstacle, &Obstacle)| {
+        let carried = end.pose * start.pose.inverse();
+        let deep = law.offset - room(law, end);
+        let shares = ways.iter().map(|(x, y)| {
+            let from = (carried * Point3::from(*x)).coords;
+            entry(end, (from, *y), deep)
+        });
+        shares.fold(1.0, f64::min)
+    };
+    start.iter().zip(end).map(of).fold(1.0, f64::min)
+}
+
+/// Where on its way a point is as near to a convex obstacle as `deep` \[m\], if it comes out behind; else 1.
+fn entry(body: &Obstacle, (from, to): (Vector3<f64>, Vector3<f64>), deep: f64) -> f64 {
+    let way = to - from;
+    let at = |share: f64| body.distance(&(from + way * share));
+    let start = at(0.0);
+    let comes_out = start.value - way.norm() < deep
+        && start.normal.dot(&way) < 0.0
+        && at(1.0).normal.dot(&way) > 0.0;
+    if !comes_out {
+        return 1.0;
+    }
+    let last = |end: f64, holds: &dyn Fn(f64) -> bool| {
+        let (mut low, mut high) = (0.0, end);
+        for _ in 0..HALVINGS {
+            let share = 0.5 * (low + high);
+            match holds(share) {
+                true => low = share,
+                false => high = share,
+            }
+        }
+        low
+    };
+    let deepest = last(1.0, &|share| at(share).normal.dot(&way) < 0.0);
+    if at(deepest).value >= deep {
+        return 1.0;
+    }
+    match start.value > deep {
+        true => last(deepest, &|share| at(share).value > deep),
+        false => 0.5 * deepest,
+    }
 }

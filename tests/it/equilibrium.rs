@@ -66,6 +66,70 @@ fn a_saddle_is_left() {
 }
 
 /// Nothing holds it, so it never comes to rest.
+/// A strip on its clamp over a smooth rod that is thinner than an iteration is long.
+fn over_a_rod(method: &str, rod: &str) -> Simulation {
+    let text = format!(
+        "name = \"over-a-rod\"\ndescription = \"A strip lies on a rod\"\nduration = 2.0\ndamping = 3.0\n\
+         sheet = {{ outline = {{ kind = \"rectangle\", length = 0.1, width = 0.025 }}, triangles = 800, \
+         position = [0.05, 0.0, 0.0] }}\n\
+         fabric = {{ name = \"F1\" }}\nmethod = {{ {method} }}\n\
+         [support.clamp]\nkind = \"clamp\"\nregion = {{ kind = \"x-min\" }}\n\
+         [obstacle.rod]\nshape = {{ kind = \"capsule\", radius = 5e-3, length = 0.1 }}\nfriction = 0.0\n\
+         rotation = [90.0, 0.0, 0.0]\n{rod}\n\
+         [observe.tip]\nregion = {{ kind = \"x-max\" }}\naxis = \"z\"\n"
+    );
+    simulation(&scene(&text))
+}
+
+const RESTS: &str = "scheme = \"equilibrium\", tolerance = 1e-8, dt = 0.01";
+
+/// Where motion ends, too; past the rod the tip would hang 93 mm down.
+#[test]
+fn verify_a_thin_obstacle_is_not_jumped_over() {
+    let below = "position = [0.03, 0.0, -0.008]";
+    let mut still = over_a_rod(RESTS, below);
+    let touch = still.step().unwrap().contacts;
+    let mut moving = over_a_rod("scheme = \"bdf2\", dt = 0.01", below);
+    for _ in 0..200 {
+        moving.step().unwrap();
+    }
+    let [at_rest, in_the_end] = [&still, &moving].map(|s| reading(s, "tip"));
+    println!("tip at {at_rest} at rest, at {in_the_end} after motion");
+    assert!(touch > 0 && -0.07 < at_rest && at_rest < -0.06);
+    assert!((at_rest / in_the_end - 1.0).abs() < 2e-3);
+}
+
+/// A rod that would be through the sheet at the end of a step is told, not taken for one that never met it; in steps short
+/// enough it lifts the sheet.
+#[test]
+fn an_obstacle_that_passes_the_sheet_in_a_step_is_an_error() {
+    let rises = |over: f64| {
+        let rod = format!(
+            "motion = {{ times = [0.0, {over}], positions = [[0.03, 0.0, -0.02], [0.03, 0.0, 0.02]] }}"
+        );
+        let mut strip = over_a_rod(RESTS, &rod);
+        let steps = (over / 0.01).round() as usize;
+        let ended = (0..steps).try_for_each(|_| strip.step().map(|_| ()));
+        (ended, strip)
+    };
+    let (ended, strip) = rises(0.01);
+    let told = ended.unwrap_err().to_string();
+    assert!(
+        told.contains("through the sheet") && told.contains("method.dt"),
+        "{told}"
+    );
+    assert_eq!(reading(&strip, "tip"), 0.0);
+    let (ended, strip) = rises(0.2);
+    ended.unwrap();
+    let highest = strip
+        .state()
+        .positions
+        .iter()
+        .map(|x| x.z)
+        .fold(0.0, f64::max);
+    assert!((highest - 0.025).abs() < 1e-3, "{highest}");
+}
+
 #[test]
 fn what_cannot_rest_is_an_error() {
     let all = [STILL, &["sheet.triangles=40"]].concat();

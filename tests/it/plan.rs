@@ -142,6 +142,26 @@ fn verify_what_each_economy_saves() {
     assert_eq!(svg.matches("triangles").count(), 5);
 }
 
+/// Coarse meshes have no vertex where the scene looks: they are left out. A mesh as fine as the scene's own is not.
+#[test]
+fn a_mesh_too_coarse_for_the_scene_is_left_out() {
+    let planned = |width: f64| {
+        let looks = format!(
+            "observe.small={{ axis = \"z\", region = {{ kind = \"ring\", outer = 0.06, inner = {} }} }}",
+            0.06 - width
+        );
+        let set = ["sheet.triangles=1600", "duration=0.02", &looks];
+        let scene = built_in("strip-release", &set);
+        plan(&scene, (Tolerance(0.2), 60.0), &mut clock(), &mut |_| {})
+    };
+    let [wide, narrow] = [0.05, 1e-3].map(|width| planned(width).unwrap());
+    assert_eq!(wide.meshes[0].triangles, 50);
+    assert!(narrow.meshes[0].triangles > 50, "{:?}", narrow.meshes);
+    let refused = planned(1e-9).unwrap_err().to_string();
+    let told = "observe.small.region holds no vertex";
+    assert!(refused.contains(told), "{refused}");
+}
+
 #[test]
 fn what_cannot_be_planned_is_told() {
     let mut silent = |_: &str| {};

@@ -21,6 +21,7 @@ use super::simulation::{Engine, Simulation};
 use super::state::State;
 use super::step::{Diverged, failure};
 use super::touch::Touch;
+use super::travel::before_passing;
 
 /// Saddles that are left before the search gives up.
 const MOST_SADDLES: u64 = 8;
@@ -76,7 +77,14 @@ pub fn equilibrium_step(
     report: &mut StepReport,
 ) -> Result<(Touch, Equilibrium), Diverged> {
     let time = model.script_time(state, model.scene.method.dt);
+    let (positions, obstacles) = (state.positions.clone(), state.obstacles.clone());
     model.move_obstacles(&mut state.obstacles, time, model.scene.method.dt);
+    model.hold(state, time);
+    let moved = [&positions[..], &state.positions];
+    if before_passing(model, moved, [&obstacles, &state.obstacles]) < 1.0 {
+        let advice = "an obstacle would go through the sheet; try a smaller method.dt";
+        return Err(failure(model, state, (0.0, 0), advice.into()));
+    }
     let rest = rest_at(model, solver, state, time, &mut report.work)?;
     report.residual = rest.found.residual;
     Ok((rest.touch, rest.found))
