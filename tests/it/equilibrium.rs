@@ -65,7 +65,6 @@ fn a_saddle_is_left() {
     assert!(lowest(&strip) < foot - 0.02, "it still stands");
 }
 
-/// Nothing holds it, so it never comes to rest.
 /// A strip on its clamp over a smooth rod that is thinner than an iteration is long.
 fn over_a_rod(method: &str, rod: &str) -> Simulation {
     let text = format!(
@@ -130,6 +129,7 @@ fn an_obstacle_that_passes_the_sheet_in_a_step_is_an_error() {
     assert!((highest - 0.025).abs() < 1e-3, "{highest}");
 }
 
+/// Nothing holds it, so it never comes to rest.
 #[test]
 fn what_cannot_rest_is_an_error() {
     let all = [STILL, &["sheet.triangles=40"]].concat();
