@@ -55,7 +55,7 @@ impl PlanArgs {
     fn next(&self) -> String {
         let mut next = format!("\nnext: toile run {}", self.scene);
         for set in &self.set {
-            next += &format!(" --set '{set}'");
+            next += &format!(" --set '{}'", set.replace('\'', r"'\''"));
         }
         if let Some(duration) = &self.duration {
             next += &format!(" --duration {duration}");

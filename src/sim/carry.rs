@@ -31,6 +31,13 @@ pub struct Prescribed {
     pub rate: Vector3<f64>,
 }
 
+impl Prescribed {
+    /// The same of a node with another number.
+    pub fn at_node(&self, node: usize) -> Self {
+        Self { node, ..*self }
+    }
+}
+
 impl Carried {
     /// What the scene's moving supports hold, where the nodes start at `nodes`.
     pub fn all(

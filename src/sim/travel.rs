@@ -53,15 +53,21 @@ pub fn taken(
         return 0.0;
     };
     let of = |(start, end): (&Obstacle, &Obstacle)| {
-        let carried = end.pose * start.pose.inverse();
+        let along = along(start, end);
         let travels = from.iter().zip(to).filter_map(|(x, y)| {
-            let moved = (y - (carried * Point3::from(*x)).coords).norm();
+            let moved = (y - along(x)).norm();
             let reach = law.offset + model.longest_edge + moved;
             (end.distance(y).value < reach).then_some(moved)
         });
         travels.fold(0.0, f64::max) / room(law, end)
     };
     start.iter().zip(end).map(of).fold(0.0, f64::max)
+}
+
+/// A point that moves with an obstacle from one pose to the next.
+fn along(start: &Obstacle, end: &Obstacle) -> impl Fn(&Vector3<f64>) -> Vector3<f64> + use<> {
+    let carried = end.pose * start.pose.inverse();
+    move |x| (carried * Point3::from(*x)).coords
 }
 
 /// Halvings by which a moment of a motion is found.
@@ -79,17 +85,14 @@ pub fn before_passing(
         return 1.0;
     };
     let middle = |x: &[Vector3<f64>], f: &[u32; 3]| f.map(|v| x[v as usize] / 3.0).iter().sum();
-    let vertices = from.iter().copied().zip(to.iter().copied());
-    let faces = model.mesh.faces.iter();
-    let middles = faces.map(|f| (middle(from, f), middle(to, f)));
-    let ways: Vec<(Vector3<f64>, Vector3<f64>)> = vertices.chain(middles).collect();
     let of = |(start, end): (&Obstacle, &Obstacle)| {
-        let carried = end.pose * start.pose.inverse();
+        let along = along(start, end);
         let deep = law.offset - room(law, end);
-        let shares = ways.iter().map(|(x, y)| {
-            let from = (carried * Point3::from(*x)).coords;
-            entry(end, (from, *y), deep)
-        });
+        let vertices = from.iter().copied().zip(to.iter().copied());
+        let faces = model.mesh.faces.iter();
+        let middles = faces.map(|f| (middle(from, f), middle(to, f)));
+        let ways = vertices.chain(middles);
+        let shares = ways.map(|(x, y)| entry(end, (along(&x), y), deep));
         shares.fold(1.0, f64::min)
     };
     start.iter().zip(end).map(of).fold(1.0, f64::min)

@@ -58,7 +58,8 @@ fn the_same_bits_for_any_number_of_threads_and_every_time() {
 }
 
 /// Threads share the substeps of sheets of 700 faces for each. One that lands on a box beside a ball that rises slowly,
-/// without damping and with it, with layers that are looked at afterwards; one that air blows at, which one thread moves.
+/// without damping and with it, with layers that are looked at afterwards; one of which a clamp turns the middle on the box,
+/// and pins lift a side; one that air blows at, which one thread moves.
 #[test]
 fn the_same_bits_and_energies_for_any_number_of_threads_in_substeps() {
     let drape = |set: &[&str]| {
@@ -74,10 +75,22 @@ fn the_same_bits_and_energies_for_any_number_of_threads_in_substeps() {
         );
         scene
     };
+    let mut carried = drape(&["damping=2"]);
+    let supports = [
+        "kind = 'clamp'\nregion = { kind = 'disc', diameter = 0.04 }\n\
+         motion = { times = [0.0, 0.03], rotations = [[0, 0, 0], [0, 0, 3]] }",
+        "kind = 'pin'\nregion = { kind = 'x-max' }\naxes = 'z'\n\
+         motion = { times = [0.0, 0.03], displacements = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.01]] }",
+    ];
+    for (name, support) in ["middle", "side"].into_iter().zip(supports) {
+        let support = toml::from_str(support).unwrap();
+        carried.support.insert(name.into(), support);
+    }
     let air = ["air.fluid_damping=1.0", "air.velocity=[1.0,0.0,0.0]"];
     for (what, scene) in [
         ("undamped", drape(&["damping=0"])),
         ("damped", drape(&["damping=2", "layers.friction=0.3"])),
+        ("carried", carried),
         ("in air", drape(&air)),
     ] {
         let ends = [1, 2, 3].map(|threads| {

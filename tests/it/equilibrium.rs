@@ -129,7 +129,7 @@ fn an_obstacle_that_passes_the_sheet_in_a_step_is_an_error() {
     assert!((highest - 0.025).abs() < 1e-3, "{highest}");
 }
 
-/// Nothing holds it, so it never comes to rest.
+/// Nothing holds it, so it never comes to rest; on which mesh is said where there are several.
 #[test]
 fn what_cannot_rest_is_an_error() {
     let all = [STILL, &["sheet.triangles=40"]].concat();
@@ -138,6 +138,13 @@ fn what_cannot_rest_is_an_error() {
     let error = falling.step().unwrap_err().to_string();
     assert!(error.contains("no state of rest was found"), "{error}");
     assert_eq!(falling.state().digest(), before);
+    let set = ["sheet.triangles=200", "method.coarsest=50"];
+    let mut falling = simulation(&built_in("free-fall", &[STILL, &set].concat()));
+    let coarse = falling.model().scene.on_mesh(50);
+    let triangles = simulation(&coarse).model().mesh.faces.len();
+    let error = falling.step().unwrap_err().to_string();
+    let said = format!("one of the mesh of {triangles} triangles");
+    assert!(error.contains(&said), "{error}");
 }
 
 /// The same bits on any number of threads, and after a resume.

@@ -13,6 +13,8 @@ use crate::node::shared_memory::RunName;
 
 /// Longest wait between looks at the stop flag.
 const LOOK: Duration = Duration::from_millis(50);
+/// How long an answer under way may take when the bridge ends.
+const LAST_ANSWER: Duration = Duration::from_secs(1);
 /// How often the counts are told.
 const BEAT: Duration = Duration::from_millis(500);
 
@@ -27,7 +29,7 @@ pub fn bridge(
     let counters = Arc::new(Counters::default());
     let mut participant = Participant::join(settings)?;
     let mut outward = Outward::new(run.clone(), &mut participant, settings, &counters)?;
-    inward::start(run, &mut participant, settings, &counters, stop)?;
+    let inward = inward::start(run, &mut participant, settings, &counters, stop)?;
     participant.announce()?;
     let mut told = Instant::now();
     beat(&counters.traffic());
@@ -40,6 +42,7 @@ pub fn bridge(
     }
     // What was published before the stop is still to go out.
     outward.pass(&mut participant, Duration::ZERO)?;
+    inward.finish(LAST_ANSWER);
     let traffic = counters.traffic();
     beat(&traffic);
     Ok(traffic)

@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::thread;
-use std::time::Duration;
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
 
 use ros2_client::dds::rustdds::mio1::{Events, Interest, Poll, Token};
 
@@ -48,6 +48,19 @@ struct Door {
     queue: SyncSender<Job>,
 }
 
+/// The threads behind the readers.
+pub struct Inward(Vec<JoinHandle<()>>);
+
+impl Inward {
+    /// Waits until what was taken before the stop has been carried and answered, and no longer than this.
+    pub fn finish(self, patience: Duration) {
+        let asked = Instant::now();
+        while !self.0.iter().all(JoinHandle::is_finished) && asked.elapsed() < patience {
+            thread::sleep(Duration::from_millis(5));
+        }
+    }
+}
+
 /// Makes the readers of all inlets and starts the threads that carry their messages to the run, until `stop`.
 pub fn start(
     run: &RunName,
@@ -55,7 +68,8 @@ pub fn start(
     settings: &Settings,
     counters: &Arc<Counters>,
     stop: &Arc<AtomicBool>,
-) -> Result<(), NodeError> {
+) -> Result<Inward, NodeError> {
+    let mut threads = vec![];
     let (commands, steps, requests) = (queue(), queue(), queue());
     let (mut step_writers, mut request_writers) = (BTreeMap::new(), BTreeMap::new());
     let mut doors = vec![];
@@ -94,7 +108,7 @@ pub fn start(
             writers,
             counters: Arc::clone(counters),
         };
-        spawn(name, settings.domain, move || worker.work(&jobs))?;
+        threads.push(spawn(name, settings.domain, move || worker.work(&jobs))?);
     }
     let poll = registered(&mut doors).map_err(super::dds::failure(settings.domain, "a poll"))?;
     let watch = Watch {
@@ -103,19 +117,23 @@ pub fn start(
         counters: Arc::clone(counters),
     };
     let stop = Arc::clone(stop);
-    spawn("readers", settings.domain, move || watch.watch(poll, &stop))?;
-    Ok(())
+    threads.push(spawn("readers", settings.domain, move || {
+        watch.watch(poll, &stop)
+    })?);
+    Ok(Inward(threads))
 }
 
 fn queue() -> (SyncSender<Job>, Receiver<Job>) {
     sync_channel(WAITING)
 }
 
-fn spawn(name: &str, domain: u16, work: impl FnOnce() + Send + 'static) -> Result<(), Ros2Error> {
+fn spawn(
+    name: &str,
+    domain: u16,
+    work: impl FnOnce() + Send + 'static,
+) -> Result<JoinHandle<()>, Ros2Error> {
     let thread = thread::Builder::new().name(name.to_string()).spawn(work);
-    thread
-        .map(drop)
-        .map_err(super::dds::failure(domain, "a thread"))
+    thread.map_err(super::dds::failure(domain, "a thread"))
 }
 
 /// A poll that wakes when any of the readers has something.

@@ -219,8 +219,8 @@ impl Watch {
                 break End::Died(format!("silent for {} s, killed", SILENCE.as_secs()));
             }
         };
-        // What it said last.
-        while let Ok(traffic) = beats.recv_timeout(Duration::from_millis(200)) {
+        // What it said last: the reader ends with the pipe, and the pipe with the process.
+        while let Ok(traffic) = beats.recv_timeout(FAREWELL) {
             latest = traffic;
         }
         self.report.traffic += latest;

@@ -104,7 +104,8 @@ fn rest_at(
     if state.step == state.began {
         nested::approach(model, state, time, work)?;
     }
-    let rest = rest(model, solver, state, method.tolerance, method.dt)?;
+    let rest = rest(model, solver, state, method.tolerance, method.dt)
+        .map_err(|diverged| nested::on_mesh(model, diverged))?;
     *work += rest.work;
     work.layer_searches += solver.layer_searches();
     Ok(rest)

@@ -50,6 +50,15 @@ fn coarser(scene: &Scene) -> Option<Scene> {
     (half >= coarsest).then(|| scene.on_mesh(half))
 }
 
+/// Says of which mesh an error is, where there may be several.
+pub(super) fn on_mesh(model: &Model, mut diverged: Diverged) -> Diverged {
+    if model.scene.method.coarsest.is_some() {
+        let triangles = model.mesh.faces.len();
+        diverged.advice += &format!("; the vertex is one of the mesh of {triangles} triangles");
+    }
+    diverged
+}
+
 /// Lays the sheet into the shape that it has on another mesh, but for what is held.
 fn carry_over(coarse: &Model, from: &State, model: &Model, state: &mut State) {
     let shape = interpolate(&coarse.mesh, &from.positions, &model.mesh.material);

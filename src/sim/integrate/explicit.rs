@@ -20,7 +20,7 @@ mod portion;
 use nalgebra::Vector3;
 
 use super::folds::Folds;
-use super::held::{place, prescribed, rest_supports, work_of_supports};
+use super::held::{prescribed, rest_supports, work_of_supports};
 use super::stable::{
     TOUCHING, contact_rate, largest_frequency, most_inertia, slope_stiffness, stiffening,
 };
@@ -210,11 +210,10 @@ impl Explicit {
         }
     }
 
-    /// Whether threads can share a run of substeps: not where air, layers, or what moves a support or turns an obstacle
-    /// asks for the whole sheet in each of them.
+    /// Whether threads can share a run of substeps: not where air, layers, or what turns an obstacle asks for the whole
+    /// sheet in each of them.
     fn can_share(&self, model: &Model, state: &State, count: u64) -> bool {
         count >= FEWEST_SHARED
-            && model.carried.is_empty()
             && !(model.layers.is_some() && self.watching)
             && !state.obstacles.iter().any(Obstacle::may_turn)
             && Breeze::of(model, state).is_none()
@@ -239,9 +238,8 @@ impl Explicit {
         let watched = model.layers.filter(|_| self.watching);
         for substep in 0..count {
             let time = model.script_time(state, moment(substep + 1));
-            let held = prescribed(model, time, &sheet.nodes, &mut sheet.rates, dt);
-            let fastest = hands.drift(sheet, dt);
-            place(&held, &mut sheet.nodes, &mut sheet.forces[vertices..]);
+            let held = prescribed(model, time);
+            let fastest = hands.drift(sheet, &held, dt);
             if substep + 1 == count {
                 sheet.read_slope_rates(dt);
             }

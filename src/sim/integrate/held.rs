@@ -5,30 +5,26 @@ use crate::sim::lanes::{Lanes, ZERO};
 use crate::sim::model::Model;
 use crate::sim::state::State;
 
-/// What moving supports hold at a time since the start of the run; gives it the half-step rates that lead there.
-pub fn prescribed(
-    model: &Model,
-    time: f64,
-    nodes: &[Lanes],
-    rates: &mut [Lanes],
-    dt: f64,
-) -> Vec<Prescribed> {
+/// What moving supports hold at a time since the start of the run.
+pub fn prescribed(model: &Model, time: f64) -> Vec<Prescribed> {
     let carried = model.carried.iter();
-    let held: Vec<_> = carried.flat_map(|carried| carried.at(time)).collect();
+    carried.flat_map(|carried| carried.at(time)).collect()
+}
+
+/// Gives what is held the half-step rates that lead there.
+pub fn send(held: &[Prescribed], nodes: &[Lanes], rates: &mut [Lanes], dt: f64) {
     for Prescribed {
         node, axes, value, ..
-    } in &held
+    } in held
     {
         for axis in (0..3).filter(|&axis| axes[axis]) {
             rates[*node][axis] = (value[axis] - nodes[*node][axis]) / dt;
         }
     }
-    held
 }
 
-/// Takes rounding out of where it went, and forgets what has acted on its slopes before.
-pub fn place(held: &[Prescribed], nodes: &mut [Lanes], impulses: &mut [Lanes]) {
-    let vertices = nodes.len() - impulses.len();
+/// Takes rounding out of where it went, and forgets what has acted before on its slopes, which come after the vertices.
+pub fn place(held: &[Prescribed], vertices: usize, nodes: &mut [Lanes], forces: &mut [Lanes]) {
     for Prescribed {
         node, axes, value, ..
     } in held
@@ -36,8 +32,8 @@ pub fn place(held: &[Prescribed], nodes: &mut [Lanes], impulses: &mut [Lanes]) {
         for axis in (0..3).filter(|&axis| axes[axis]) {
             nodes[*node][axis] = value[axis];
         }
-        if let Some(edge) = node.checked_sub(vertices) {
-            impulses[edge] = ZERO;
+        if *node >= vertices {
+            forces[*node] = ZERO;
         }
     }
 }

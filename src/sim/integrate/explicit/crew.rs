@@ -1,6 +1,6 @@
 //! Several threads on one sheet: each moves a portion of its own all the time, since nodes that go from one core's cache
-//! to another's cost more than the work on them. The first thread also meets the obstacles, for which the others send it
-//! the forces on what is near and get back its rates. Bits are those of one thread.
+//! to another's cost more than the work on them. The first thread also has what moving supports hold, and meets the
+//! obstacles, for which the others send it the forces on what is near and get back its rates. Bits are those of one thread.
 
 mod barrier;
 mod deck;
@@ -11,6 +11,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
 
 use super::portion::Portion;
+use crate::sim::carry::Carried;
 use crate::sim::lanes::Lanes;
 use crate::sim::model::Model;
 use deck::Deck;
@@ -32,6 +33,8 @@ pub struct Crew {
     others: Vec<Mate>,
     /// Portion of each vertex, and its place there.
     homes: Vec<(u32, u32)>,
+    /// Nodes that moving supports hold, and their places in `mine`.
+    held: Vec<(u32, u32)>,
 }
 
 /// Another thread than the first, and what it moves, while that is here.
@@ -94,7 +97,13 @@ impl Crew {
                 homes[portion.names[at] as usize] = (p, at as u32);
             }
         }
+        let held = model.carried.iter().flat_map(Carried::held);
+        let held = held.filter_map(|(node, _)| {
+            let at = mine.names.iter().position(|&n| n as usize == node)?;
+            Some((node as u32, at as u32))
+        });
         Some(Self {
+            held: held.collect(),
             mine,
             others,
             homes,
@@ -110,7 +119,7 @@ impl Crew {
         }
         self.mine.load(whole, run.dt);
         let guard = deck.barrier.guard();
-        let helm = Helm::new(&deck, &mut self.mine, &self.homes);
+        let helm = Helm::new(&deck, &mut self.mine, &self.homes, &self.held);
         lead(whole, helm);
         drop(guard);
         self.mine.unload(whole);

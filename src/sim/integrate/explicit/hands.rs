@@ -3,22 +3,25 @@
 use super::crew::Helm;
 use super::meet::Meeting;
 use super::portion::Portion;
+use crate::sim::carry::Prescribed;
 
-/// One thread, or the first of several. A crew knows of the sheet only what is near obstacles, unless more is asked for.
+/// One thread, or the first of several. A crew knows of the sheet only what is near obstacles or held by moving supports,
+/// unless more is asked for.
 pub enum Hands<'a> {
     Alone,
     Crew(Helm<'a>),
 }
 
 impl Hands<'_> {
-    /// Moves slopes and vertices on; the largest speed of the vertices \[m/s\].
-    pub fn drift(&mut self, sheet: &mut Portion, dt: f64) -> f64 {
+    /// Moves slopes and vertices on, what moving supports hold to where it is then; the largest speed of the vertices
+    /// \[m/s\].
+    pub fn drift(&mut self, sheet: &mut Portion, held: &[Prescribed], dt: f64) -> f64 {
         match self {
             Self::Alone => {
                 sheet.swing(dt);
-                sheet.drift(dt)
+                sheet.drift(held, dt)
             }
-            Self::Crew(helm) => helm.drift(sheet),
+            Self::Crew(helm) => helm.drift(sheet, held),
         }
     }
 

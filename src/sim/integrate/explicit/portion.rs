@@ -4,9 +4,10 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::super::leap;
+use super::super::{held, leap};
 use crate::math::sparse::NO_SLOT;
 use crate::physics::Potential;
+use crate::sim::carry::{Carried, Prescribed};
 use crate::sim::kernel::{Kernel, along, order};
 use crate::sim::lanes::{Lanes, ZERO, dot, lanes, scale};
 use crate::sim::model::Model;
@@ -89,11 +90,20 @@ impl Portion {
         leap::swing(slopes, impulses, &self.inverse_inertia, dt);
     }
 
-    /// Moves the vertices on; their largest speed \[m/s\].
-    pub fn drift(&mut self, dt: f64) -> f64 {
+    /// Moves the vertices on, and what moving supports hold of the portion; their largest speed \[m/s\].
+    pub fn drift(&mut self, supports: &[Prescribed], dt: f64) -> f64 {
+        held::send(supports, &self.nodes, &mut self.rates, dt);
         let own = self.vertices.clone();
         let (nodes, rates) = (&mut self.nodes[own.clone()], &self.rates[own.clone()]);
-        leap::drift(nodes, rates, &self.weight, &mut self.forces[own], dt)
+        let fastest = leap::drift(nodes, rates, &self.weight, &mut self.forces[own], dt);
+        self.place(supports);
+        fastest
+    }
+
+    /// Puts what moving supports hold of the portion where it is.
+    pub fn place(&mut self, supports: &[Prescribed]) {
+        let vertices = self.slopes.start;
+        held::place(supports, vertices, &mut self.nodes, &mut self.forces);
     }
 
     /// Adds the elastic forces where the nodes are.
@@ -214,7 +224,7 @@ fn inverse_inertia(model: &Model, inertia: &[f64]) -> Vec<f64> {
     slopes.iter().zip(inertia).map(inverse).collect()
 }
 
-/// Whose each node is: portions follow each other along the sheet.
+/// Whose each node is: portions follow each other along the sheet, but the first has what moving supports hold.
 fn owners(model: &Model, shares: &[f64]) -> Vec<u32> {
     let along = along(model);
     let mut sorted = along.clone();
@@ -229,7 +239,11 @@ fn owners(model: &Model, shares: &[f64]) -> Vec<u32> {
         })
         .collect();
     let owner = |x: &f64| cuts.partition_point(|cut| cut <= x) as u32;
-    along.iter().map(owner).collect()
+    let mut owners: Vec<u32> = along.iter().map(owner).collect();
+    for (node, _) in model.carried.iter().flat_map(Carried::held) {
+        owners[node] = 0;
+    }
+    owners
 }
 
 /// Says of each portion what it lends to others, and where its copies come from.

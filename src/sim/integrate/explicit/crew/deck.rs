@@ -6,6 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError, RwLock};
 use super::super::apart::Apart;
 use super::super::portion::Portion;
 use super::barrier::Barrier;
+use crate::sim::carry::Prescribed;
 use crate::sim::lanes::Lanes;
 
 /// A run of substeps.
@@ -86,7 +87,7 @@ impl Deck {
             if substep == 0 {
                 portion.swing(dt);
             }
-            self.drift(p, portion, substep);
+            self.drift(p, portion, &[], substep);
             self.barrier.wait();
             self.pull(portion, substep);
             if last {
@@ -114,9 +115,10 @@ impl Deck {
         }
     }
 
-    pub fn drift(&self, p: usize, portion: &mut Portion, substep: u64) {
+    /// Moves a portion on, with what moving supports hold of it, and shows it.
+    pub fn drift(&self, p: usize, portion: &mut Portion, held: &[Prescribed], substep: u64) {
         let turn = (substep % 2) as usize;
-        let fastest = portion.drift(self.run.dt);
+        let fastest = portion.drift(held, self.run.dt);
         let board = &self.boards[p];
         board.fastest[turn].store(fastest.to_bits(), Ordering::Relaxed);
         let mut lent = board.lent[turn]

@@ -2,9 +2,11 @@
 
 use std::sync::atomic::Ordering;
 
+use super::super::super::held;
 use super::super::super::leap::{kicked, slowed};
 use super::super::portion::Portion;
 use super::deck::{Board, Deck, Run, four, lock, three};
+use crate::sim::carry::Prescribed;
 use crate::sim::lanes::{add, dot, scale};
 
 /// The first thread's way to the others.
@@ -12,46 +14,62 @@ pub struct Helm<'a> {
     deck: &'a Deck,
     mine: &'a mut Portion,
     homes: &'a [(u32, u32)],
+    /// What moving supports hold, and its places in `mine`.
+    held: &'a [(u32, u32)],
     substep: u64,
     /// Vertices near obstacles of each portion, with their places there.
     near: Vec<Vec<(u32, u32)>>,
 }
 
 impl<'a> Helm<'a> {
-    /// At the start of a run: `mine` is what the first thread moves, `homes` the portion of each vertex and its place there.
-    pub fn new(deck: &'a Deck, mine: &'a mut Portion, homes: &'a [(u32, u32)]) -> Self {
+    /// At the start of a run: `mine` is what the first thread moves, `homes` the portion of each vertex and its place there,
+    /// `held` what moving supports hold and its places in `mine`.
+    pub fn new(
+        deck: &'a Deck,
+        mine: &'a mut Portion,
+        homes: &'a [(u32, u32)],
+        held: &'a [(u32, u32)],
+    ) -> Self {
         Self {
             near: vec![vec![]; deck.boards.len()],
             deck,
             mine,
             homes,
+            held,
             substep: 0,
         }
     }
 
-    /// Moves the sheet on; its largest speed \[m/s\]. Of `whole`, vertices near obstacles move.
-    pub fn drift(&mut self, whole: &mut Portion) -> f64 {
+    /// Moves the sheet on; its largest speed \[m/s\]. Of `whole`, vertices near obstacles move, and what supports hold.
+    pub fn drift(&mut self, whole: &mut Portion, held: &[Prescribed]) -> f64 {
         let (deck, dt) = (self.deck, self.deck.run.dt);
         if self.substep == 0 {
             self.mine.swing(dt);
         }
-        deck.drift(0, self.mine, self.substep);
+        let places = held.iter().zip(self.held);
+        let mine = places.map(|(prescribed, &(_, at))| prescribed.at_node(at as usize));
+        deck.drift(0, self.mine, &mine.collect::<Vec<_>>(), self.substep);
         deck.barrier.wait();
+        held::send(held, &whole.nodes, &mut whole.rates, dt);
         for &(v, _) in self.near.iter().flatten() {
             let v = v as usize;
             whole.nodes[v] = add(whole.nodes[v], scale(whole.rates[v], dt));
         }
+        whole.place(held);
         let turn = (self.substep % 2) as usize;
         let fastest = |board: &Board| board.fastest[turn].load(Ordering::Relaxed);
         // Bits are in the order of the numbers, and above them all where one is no number.
         f64::from_bits(deck.boards.iter().map(fastest).max().unwrap_or_default())
     }
 
-    /// Adds the elastic forces. Of `whole`, what is near gets them; if `all` is asked for, every vertex, and its position
+    /// Adds the elastic forces. Of `whole`, what is near or held gets them; if `all` is asked for, every vertex, and its position
     /// and rate.
     pub fn pull(&mut self, whole: &mut Portion, all: bool) {
         let deck = self.deck;
         deck.pull(self.mine, self.substep);
+        for &(node, at) in self.held {
+            whole.forces[node as usize] = self.mine.forces[at as usize];
+        }
         if self.substep + 1 == deck.run.count {
             self.mine.keep_rates();
         }
