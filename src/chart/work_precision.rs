@@ -228,11 +228,11 @@ impl Problem {
     /// The scene of a key. A share of the explicit limit is taken of the substep that the scheme chooses; a step given
     /// to the explicit scheme is its substep, stable or not.
     pub fn scene_of(&self, key: &Key) -> Result<Scene, String> {
-        let mut scene = self.scene.clone();
-        if let Some(triangles) = key.mesh.strip_prefix("triangles=") {
-            scene.sheet.triangles = triangles.parse().ok();
-            scene.sheet.edge = None;
-        }
+        let triangles = key.mesh.strip_prefix("triangles=");
+        let mut scene = match triangles.and_then(|count| count.parse().ok()) {
+            Some(count) => self.scene.on_mesh(count),
+            None => self.scene.clone(),
+        };
         let method = MethodSpec {
             substep: None,
             ..scene.method.with(key.method)

@@ -90,7 +90,7 @@ pub fn equilibrium_step(
     Ok((rest.touch, rest.found))
 }
 
-/// Brings the sheet to rest with its supports where they are at a `time` since the start of the run \[s\].
+/// Brings a sheet to rest whose supports are where they are at a `time` since the start of the run \[s\].
 fn rest_at(
     model: &Model,
     solver: &mut Implicit,
@@ -100,7 +100,6 @@ fn rest_at(
 ) -> Result<Rest, Diverged> {
     let method = &model.scene.method;
     solver.expect_layers(true);
-    model.hold(state, time);
     if state.step == state.began {
         nested::approach(model, state, time, work)?;
     }

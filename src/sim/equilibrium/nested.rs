@@ -32,6 +32,7 @@ pub(super) fn approach(
     below.began = state.began;
     below.obstacles.clone_from(&state.obstacles);
     below.air = state.air.clone();
+    coarse.hold(&mut below, time);
     rest_at(
         &coarse,
         &mut Implicit::new(&coarse, 1),
