@@ -86,6 +86,8 @@ pub(super) fn curves(
 
 /// Most labels of failures that stand apart.
 const MOST_LABELS: usize = 8;
+/// Height that a mark with a label takes in the band of failures, over that of one without.
+const LABELLED: f64 = 9.0;
 
 /// The step of every point, written beside it where no marker and no other label is in the way.
 pub(super) fn step_labels(
@@ -163,9 +165,15 @@ pub(super) fn crosses(
     (_, high, top): (f64, f64, f64),
     x: impl Fn(&Cross) -> f64,
 ) -> Result<(), DrawError> {
-    let count = arranged.crosses.len() as f64;
-    for (k, cross) in arranged.crosses.iter().enumerate() {
-        let level = top * (high / top).powf(1.0 - (k as f64 + 1.0) / (count + 1.0));
+    let few = arranged.crosses.len() <= MOST_LABELS;
+    let height = |cross: &Cross| if few || cross.died { LABELLED } else { 1.0 };
+    // The band's own label stands at its top.
+    let total = LABELLED + arranged.crosses.iter().map(height).sum::<f64>();
+    let mut down = LABELLED;
+    for cross in &arranged.crosses {
+        down += height(cross);
+        let middle = (down - 0.5 * height(cross)) / total;
+        let level = top * (high / top).powf(1.0 - middle);
         let value = x(cross).clamp(range.0 * 1.05, range.1 / 1.05);
         let (px, py) = to_local(area, panel.backend_coord(&(value, level)));
         let ink = color(cross.method);
@@ -181,7 +189,7 @@ pub(super) fn crosses(
         } else {
             (HPos::Left, 14)
         };
-        if arranged.crosses.len() <= MOST_LABELS || cross.died {
+        if few || cross.died {
             let style = at(font(14, ink), side, VPos::Center);
             area.draw_text(&cross.label, &style, (px + dx, py))
                 .map_err(fault)?;

@@ -34,6 +34,7 @@ pub(super) struct Curve {
 pub(super) struct Arranged {
     /// One curve a method and mesh that has points, by rising step.
     pub curves: Vec<Curve>,
+    /// Runs that died, then those that were left.
     pub crosses: Vec<Cross>,
     /// Corners (CPU, error) of the runs that no other run beats in both.
     pub front: Vec<(f64, f64)>,
@@ -60,6 +61,7 @@ pub(super) fn arrange(rows: &[&Row]) -> Arranged {
         }
     }
     out.crosses = rows.iter().filter_map(|r| cross(r)).collect();
+    out.crosses.sort_by_key(|cross| !cross.died);
     out.front = front(&out.curves);
     out
 }
@@ -82,7 +84,7 @@ fn cross(row: &Row) -> Option<Cross> {
     };
     let dt = match row.key.asked {
         Asked::Step(dt) => dt,
-        Asked::Limit(_) => row.dt,
+        Asked::Limit(_) | Asked::Past(_) => row.dt,
     };
     let label = format!("{}, {how} at {} s", step_text(row), short(*time));
     Some(Cross {
@@ -98,7 +100,7 @@ fn cross(row: &Row) -> Option<Cross> {
 fn step_text(row: &Row) -> String {
     let dt = match row.key.asked {
         Asked::Step(dt) => dt,
-        Asked::Limit(_) => row.dt,
+        Asked::Limit(_) | Asked::Past(_) => row.dt,
     };
     match dt {
         dt if dt < 0.995e-4 => format!("{} µs", short(dt * 1e6)),

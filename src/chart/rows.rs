@@ -10,6 +10,8 @@ pub enum Asked {
     Step(f64),
     /// The largest stable step of an explicit scheme, divided by a whole number.
     Limit(u32),
+    /// So many times that step, where the scheme is unstable.
+    Past(u32),
 }
 
 impl Asked {
@@ -17,12 +19,17 @@ impl Asked {
         match self {
             Asked::Step(dt) => format!("{dt}"),
             Asked::Limit(part) => format!("limit/{part}"),
+            Asked::Past(times) => format!("limit*{times}"),
         }
     }
 
     fn parse(text: &str) -> Option<Self> {
-        match text.strip_prefix("limit/") {
-            Some(part) => part.parse().ok().map(Asked::Limit),
+        match text.strip_prefix("limit") {
+            Some(share) => match share.split_at_checked(1)? {
+                ("/", part) => part.parse().ok().map(Asked::Limit),
+                ("*", times) => times.parse().ok().map(Asked::Past),
+                _ => None,
+            },
             None => text.parse().ok().map(Asked::Step),
         }
     }

@@ -115,7 +115,9 @@ impl Problem {
         for triangles in meshes {
             for method in Method::IN_TIME {
                 let asked: Vec<Asked> = match method.scheme {
-                    Scheme::CentralDifference => [1, 2].map(Asked::Limit).to_vec(),
+                    Scheme::CentralDifference => {
+                        vec![Asked::Past(2), Asked::Limit(1), Asked::Limit(2)]
+                    }
                     _ => self.steps.iter().map(|dt| Asked::Step(*dt)).collect(),
                 };
                 keys.extend(
@@ -225,37 +227,38 @@ impl Problem {
         }
     }
 
-    /// The scene of a key. A share of the explicit limit is taken of the substep that the scheme chooses; a step given
-    /// to the explicit scheme is its substep, stable or not.
+    /// The scene of a key. Shares and multiples of the explicit limit are of the substep that the scheme chooses; a step
+    /// given to the explicit scheme is its substep, stable or not.
     pub fn scene_of(&self, key: &Key) -> Result<Scene, String> {
         let triangles = key.mesh.strip_prefix("triangles=");
         let mut scene = match triangles.and_then(|count| count.parse().ok()) {
             Some(count) => self.scene.on_mesh(count),
             None => self.scene.clone(),
         };
-        let method = MethodSpec {
+        // Reports cost time, too: no more of them than the longest step makes.
+        let longest = self.steps.iter().copied().fold(0.0, f64::max);
+        scene.method = MethodSpec {
+            dt: longest,
             substep: None,
             ..scene.method.with(key.method)
         };
-        let explicit = key.method.scheme == Scheme::CentralDifference;
-        let part = match key.asked {
-            Asked::Step(dt) => {
-                scene.method = MethodSpec { dt, ..method };
-                if explicit {
-                    scene.method.substep = Some(dt);
-                    scene.method.limit = StableLimit::Ignore;
-                }
+        let limit = |scene: &Scene| {
+            Ok::<_, String>(start(scene)?.substep().unwrap_or(longest).min(longest))
+        };
+        let step = match key.asked {
+            Asked::Step(dt) => dt,
+            Asked::Past(times) => f64::from(times) * limit(&scene)?,
+            Asked::Limit(1) => return Ok(scene),
+            Asked::Limit(part) => {
+                let parts = (longest / limit(&scene)?).ceil() * f64::from(part);
+                scene.method.substep = Some(longest / parts);
                 return Ok(scene);
             }
-            Asked::Limit(part) => part,
         };
-        // Reports cost time, too: no more of them than the longest step makes.
-        let dt = self.steps.iter().copied().fold(0.0, f64::max);
-        scene.method = MethodSpec { dt, ..method };
-        if part > 1 {
-            let substep = start(&scene)?.substep().unwrap_or(dt).min(dt);
-            let parts = (dt / substep).ceil() * f64::from(part);
-            scene.method.substep = Some(dt / parts);
+        scene.method.dt = step;
+        if key.method.scheme == Scheme::CentralDifference {
+            scene.method.substep = Some(step);
+            scene.method.limit = StableLimit::Ignore;
         }
         Ok(scene)
     }
@@ -272,6 +275,7 @@ pub fn label(key: &Key) -> String {
         Asked::Step(dt) => format!("{:.3} ms", dt * 1e3),
         Asked::Limit(1) => "at its limit".to_string(),
         Asked::Limit(part) => format!("at 1/{part} of its limit"),
+        Asked::Past(times) => format!("at {times} times its limit"),
     };
     format!("{} {} {} {step}", key.scene, key.mesh, key.method.name())
 }

@@ -177,6 +177,24 @@ fn consistency_a_planned_run_is_found_in_its_csv() {
     }
 }
 
+/// Past its limit the explicit scheme dies, and stands on the chart as what it is.
+#[test]
+fn a_run_past_the_limit_dies_on_the_chart() {
+    for name in ["strip-release", "drape-table"] {
+        let mut problem = problem(name).unwrap();
+        problem.meshes = vec![400];
+        let plan = problem.plan();
+        let past = plan.iter().find(|key| key.asked == Asked::Past(2)).unwrap();
+        let reference = problem.truth_on(400, &mut |_| {}).unwrap();
+        let row = problem.run(past, (&reference, None), &mut || 0.0, &mut |_| {});
+        let Outcome::Died { time, message } = row.outcome else {
+            panic!("{name} ended: {:?}", row.outcome);
+        };
+        assert!(time > 0.0 && time < problem.scene.duration, "{time}");
+        assert!(message.contains("failed even at"), "{message}");
+    }
+}
+
 /// A run counts its own CPU time and steps, and its error is finite or it says when it died.
 #[test]
 fn consistency_a_run_becomes_a_row() {
