@@ -82,27 +82,27 @@ fn cross(row: &Row) -> Option<Cross> {
         Outcome::Unfinished { time } => (false, "too dear, left", time),
         Outcome::Done { .. } => return None,
     };
-    let dt = match row.key.asked {
-        Asked::Step(dt) => dt,
-        Asked::Limit(_) | Asked::Past(_) => row.dt,
-    };
     let label = format!("{}, {how} at {} s", step_text(row), short(*time));
     Some(Cross {
         method: row.key.method,
         died,
-        dt,
+        dt: step(row),
         cpu: row.cpu_rate(),
         label,
     })
 }
 
-/// The step as a person writes it.
-fn step_text(row: &Row) -> String {
-    let dt = match row.key.asked {
+/// The step that was asked for \[s\]; of a share or multiple of the limit, what that came to.
+fn step(row: &Row) -> f64 {
+    match row.key.asked {
         Asked::Step(dt) => dt,
         Asked::Limit(_) | Asked::Past(_) => row.dt,
-    };
-    match dt {
+    }
+}
+
+/// The step as a person writes it.
+fn step_text(row: &Row) -> String {
+    match step(row) {
         dt if dt < 0.995e-4 => format!("{} µs", short(dt * 1e6)),
         dt => format!("{} ms", short(dt * 1e3)),
     }

@@ -24,14 +24,11 @@ impl Asked {
     }
 
     fn parse(text: &str) -> Option<Self> {
-        match text.strip_prefix("limit") {
-            Some(share) => match share.split_at_checked(1)? {
-                ("/", part) => part.parse().ok().map(Asked::Limit),
-                ("*", times) => times.parse().ok().map(Asked::Past),
-                _ => None,
-            },
-            None => text.parse().ok().map(Asked::Step),
-        }
+        let after = |prefix| text.strip_prefix(prefix)?.parse().ok();
+        let share = after("limit/").map(Asked::Limit);
+        let multiple = || after("limit*").map(Asked::Past);
+        let step = || text.parse().ok().map(Asked::Step);
+        share.or_else(multiple).or_else(step)
     }
 }
 

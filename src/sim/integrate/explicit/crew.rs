@@ -97,11 +97,12 @@ impl Crew {
                 homes[portion.names[at] as usize] = (p, at as u32);
             }
         }
+        let mut places = vec![0; whole.names.len()];
+        for (at, &name) in mine.names.iter().enumerate() {
+            places[name as usize] = at as u32;
+        }
         let held = model.carried.iter().flat_map(Carried::held);
-        let held = held.filter_map(|(node, _)| {
-            let at = mine.names.iter().position(|&n| n as usize == node)?;
-            Some((node as u32, at as u32))
-        });
+        let held = held.map(|(node, _)| (node as u32, places[node]));
         Some(Self {
             held: held.collect(),
             mine,

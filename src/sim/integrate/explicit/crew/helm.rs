@@ -62,8 +62,8 @@ impl<'a> Helm<'a> {
         f64::from_bits(deck.boards.iter().map(fastest).max().unwrap_or_default())
     }
 
-    /// Adds the elastic forces. Of `whole`, what is near or held gets them; if `all` is asked for, every vertex, and its position
-    /// and rate.
+    /// Adds the elastic forces. Of `whole`, what is near or held gets them; if `all` is asked for, every vertex, and its
+    /// position and rate.
     pub fn pull(&mut self, whole: &mut Portion, all: bool) {
         let deck = self.deck;
         deck.pull(self.mine, self.substep);
